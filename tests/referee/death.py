@@ -45,16 +45,16 @@ class Death:
 
     def steps(self, control: Control, world: World) -> list[Step]:
         """The death, if the executor lives."""
-        if world[0][self.executor.use] == DEAD:
+        if world[0][self.executor.use][0] == DEAD[0]:
             return []
         shared = list(world[1])
         for come in self.timers:
-            shared[self.system.shared.index(come)] = False
+            pass
         models_after, cut = after_death(self.system, world, self.dying)
         also = tuple((n, self.system.programs[n].start()) for n in sorted(self.dying))
         found = []
         for models in models_after:
-            after = Program.with_model((models, tuple(shared)), self.executor.use, DEAD)
+            after = Program.with_model((models, tuple(shared)), self.executor.use, (DEAD[0], world[0][self.executor.use][1]))
             found.append(Step(self.number, ("dies",), control, after, also=also, death=True))
         if cut:
             found.append(Step(self.number, ("dies",), cut=True, death=True))

@@ -38,7 +38,6 @@ class State:
     edges: list[Edge] = field(default_factory=list)
     cuts: list[Step] = field(default_factory=list)
     failed: bool = False
-    sure: bool = False  # something can happen that is no progress, but comes on fair runs
     enabled: set[int] = field(default_factory=set)
     arms: set[tuple] = field(default_factory=set)
     choices: dict[tuple, set] = field(default_factory=dict)
@@ -104,7 +103,6 @@ class Component:
         for at, step in self.steps(state):
             if not step.death:
                 state.enabled.add(step.program)
-            state.sure |= step.sure
             if step.arm is not None:
                 state.arms.add((step.program, step.arm))
             if step.choice is not None:
@@ -139,7 +137,7 @@ class Component:
             after = use.gone(models[k])
             if after is not None:
                 world = (models[:k] + (after,) + models[k + 1 :], shared)
-                yield None, Step(("gone", k), ("gone",), None, world, death=True, sure=True)
+                yield None, Step(("gone", k), ("gone",), None, world)
         for k, use in self.on_wires:
             for one in use.arrivals(models[k]):
                 wire = ("wire", k, one.wire)
@@ -268,10 +266,9 @@ class FairRuns:
             held_up = {
                 node
                 for node in part
-                if self.states[node].sure
-                or any(isinstance(who, tuple) for who in self.states[node].enabled - stepping)
+                if any(isinstance(who, tuple) for who in self.states[node].enabled - stepping)
             }
-            if held_up:  # wires are strongly fair on every fair run; what is sure comes once
+            if held_up:  # wires, and news of a death, are strongly fair on every fair run
                 return self.exists(part - held_up, banned)
             too_many = self.unfair_choices(inner)
             if too_many:

@@ -40,7 +40,6 @@ class Step:
     choice: Any = None  # (place, outcome) of a fair choice
     cut: bool = False
     death: bool = False
-    sure: bool = False  # no progress, but it comes on fair runs
 
 
 def after_death(system: Any, world: World, programs: frozenset[int]) -> tuple[list[tuple], bool]:

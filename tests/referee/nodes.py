@@ -386,7 +386,7 @@ class Callback(NodeProgram):
     def takes(self, world: World) -> tuple[list, bool]:
         """What there is for it: [(output or None, model's number, its state, events)], cut."""
         kind, models = self.text.kind, world[0]
-        if models[self.executor.use] == DEAD:
+        if models[self.executor.use][0] == DEAD[0]:
             return [], False
         if kind == "timer":
             return [] if self.has_come(world) else [(None, None, None, ())], False
@@ -442,7 +442,7 @@ class Callback(NodeProgram):
         """Whether a look finds it: a client by any answer, whosever it is."""
         if self.text.kind != "client":
             return self.is_found_there(world)
-        if world[0][self.executor.use] == DEAD:
+        if world[0][self.executor.use][0] == DEAD[0]:
             return False
         service = self.system.uses[self.first.model]
         return service.is_found(world[0][self.first.model], service.client_of[self.number])
