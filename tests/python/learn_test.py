@@ -224,7 +224,7 @@ class Objects(unittest.TestCase):
             queue = Queue()
             again = maide.learn(queue, cache=cache)
             self.assertGreater(first.words, 0)
-            self.assertEqual((again.words, queue.resets), (0, 0))
+            self.assertEqual((again.words, queue.resets), (5, 5))  # a sample: is it the same system?
             with self.assertRaises(maide.Error):  # it is another system's
                 maide.learn(Batches(), cache=cache)
 
