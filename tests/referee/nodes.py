@@ -102,8 +102,8 @@ class Pool:
         return [state], False
 
 
-# The state of an executor that died: something runs on it for ever.
-DEAD = (("dead",), ())
+# What runs on an executor that died, for ever.
+DEAD = ("dead",)
 
 
 class Executor:
@@ -386,7 +386,7 @@ class Callback(NodeProgram):
     def takes(self, world: World) -> tuple[list, bool]:
         """What there is for it: [(output or None, model's number, its state, events)], cut."""
         kind, models = self.text.kind, world[0]
-        if models[self.executor.use][0] == DEAD[0]:
+        if models[self.executor.use][0] == DEAD:
             return [], False
         if kind == "timer":
             return [] if self.has_come(world) else [(None, None, None, ())], False
@@ -442,7 +442,7 @@ class Callback(NodeProgram):
         """Whether a look finds it: a client by any answer, whosever it is."""
         if self.text.kind != "client":
             return self.is_found_there(world)
-        if world[0][self.executor.use][0] == DEAD[0]:
+        if world[0][self.executor.use][0] == DEAD:
             return False
         service = self.system.uses[self.first.model]
         return service.is_found(world[0][self.first.model], service.client_of[self.number])
@@ -524,8 +524,8 @@ class Looking(NamedTuple):
     found: tuple
 
 
-class Look:
-    """An executor that looks, as a program."""
+class AtExecutor:
+    """What happens at an executor besides the code of its callbacks, as a program."""
 
     first_of_callback = False
     part = None
@@ -538,7 +538,7 @@ class Look:
 
     def start(self) -> Control:
         """It is always at the same place."""
-        return ("looks",)
+        return ("awaits",)
 
     def begun(self, world: World) -> tuple[Control, World]:
         """The control state at first, and the world."""
@@ -549,8 +549,12 @@ class Look:
         return control, world
 
     def rests(self, control: Control) -> bool:
-        """It need not look."""
+        """It need not happen."""
         return True
+
+
+class Look(AtExecutor):
+    """An executor that looks."""
 
     def steps(self, control: Control, world: World) -> list[Step]:
         """A look, for each set of timers that may be due."""

@@ -118,10 +118,7 @@ class ArrivalMaker {
 
   // The server has died, and that gets about.
   void add_gone(std::uint32_t model, const Service& service) {
-    const std::vector<std::uint32_t> programs = programs_at(file_, service.server);
-    const bool may_die = std::ranges::any_of(
-        programs, [&](std::uint32_t program) { return file_.programs[program].may_die; });
-    if (!may_die || !service.presence) return;
+    if (!service.presence || !may_die(file_, service.server)) return;
     const std::vector<bool> is_there{false, true};
     NobodysAction gone;
     gone.what.text = service.name + " is gone";

@@ -229,9 +229,10 @@ void CodeResolver::resolve_offer(const syntax::Statement& from, Statement& to) {
 
 void CodeResolver::resolve_run(const syntax::Statement& from, Statement& to) {
   const Callback* const callback = work_.context->callback;
-  const std::string verb = from.kind == syntax::Statement::Kind::run ? "run" : "join";
+  const bool runs = from.kind == syntax::Statement::Kind::run;
   if (callback == nullptr) {
-    names_.fail("'" + verb + "' takes a thread of a node, and stands in the node's code",
+    names_.fail(std::string(runs ? "'run'" : "'join'") +
+                    " takes a thread of a node, and stands in the node's code",
                 from.place);
   }
   const auto& threads = work_.context->names.threads;
@@ -246,7 +247,7 @@ void CodeResolver::resolve_run(const syntax::Statement& from, Statement& to) {
                     (known.empty() ? "" : "; it has: " + known_instead(from.name.text, known)),
                 from.name.place);
   }
-  to.kind = verb == "run" ? Statement::Kind::run : Statement::Kind::join;
+  to.kind = runs ? Statement::Kind::run : Statement::Kind::join;
   to.copies = thread->second;
   work_.names.insert(to.copies);
 }

@@ -64,6 +64,11 @@ void check_plain_name(const Declarations& file, const TreeNode& entry, const std
                            entry);
 }
 
+bool may_die(const Declarations& file, const End& end) {
+  return std::ranges::any_of(programs_at(file, end),
+                             [&](std::uint32_t program) { return file.programs[program].may_die; });
+}
+
 std::uint32_t add_hidden_model(Declarations& file, const std::string& name,
                                InterfaceAutomaton automaton, const SourcePosition& position) {
   if (file.models.size() == max_components) throw ParseError("too many models", position);
@@ -302,10 +307,7 @@ VariableName make_flag(const std::string& name, const SourcePosition& position) 
 
 bool may_server_die(const Declarations& file, const ModelName& service) {
   for (std::uint32_t member = 0; member < member_count(service.dimensions); ++member) {
-    const End& server = file.names.services.at(service.first + member).server;
-    for (const std::uint32_t program : programs_at(file, server)) {
-      if (file.programs[program].may_die) return true;
-    }
+    if (may_die(file, file.names.services.at(service.first + member).server)) return true;
   }
   return false;
 }

@@ -179,6 +179,8 @@ std::string process_of(const TreeNode& entry, const std::string& name);
 std::string process_of_end(const Declarations& file, const End& end);
 // The programs that run its code.
 std::vector<std::uint32_t> programs_at(const Declarations& file, const End& end);
+// Any of them may.
+bool may_die(const Declarations& file, const End& end);
 // A model that no text names. Throws ParseError: there are too many.
 std::uint32_t add_hidden_model(Declarations& file, const std::string& name,
                                InterfaceAutomaton automaton, const SourcePosition& position);

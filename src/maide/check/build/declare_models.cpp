@@ -321,16 +321,34 @@ void read_writers(const References& references, const TreeNode& writers, Topic& 
   for (const TreeNode& one : writers.children) add(one);
 }
 
+// The nodes whose clock the topic is.
+std::vector<std::uint32_t> nodes_going_by(const Declarations& file, const std::string& topic) {
+  std::vector<std::uint32_t> nodes;
+  for (std::uint32_t number = 0; number < file.nodes.size(); ++number) {
+    const NodeDeclaration& node = file.nodes[number];
+    if (node.clock && node.entry->find("clock")->text() == topic) nodes.push_back(number);
+  }
+  return nodes;
+}
+
+// Of a clock a node keeps the last message.
+void keep_the_last(Declarations& file, std::uint32_t model, const NodeDeclaration& node) {
+  ModelOrigin& origin = file.origins[model];
+  if (origin.kind != ModelOrigin::Kind::queue || !origin.size.drops_oldest) {
+    file.tree().fail("a clock is a topic with `use: queue` and `depth`",
+                     *node.entry->find("clock"));
+  }
+  origin.size.size = 1;
+}
+
 void declare_topic(Declarations& file, const TreeNode& entry, const std::string& name,
                    const Indices& indices) {
   Topic topic;
   topic.name = name;
   topic.position = file.tree().at_name(entry);
-  const bool is_clock = std::ranges::any_of(file.nodes, [&](const NodeDeclaration& node) {
-    return node.clock && node.entry->find("clock")->text() == name;
-  });
+  const std::vector<std::uint32_t> going_by_it = nodes_going_by(file, name);
   for (const std::string word : {"writers", "readers"}) {
-    if (entry.find(word) != nullptr || (is_clock && word == "readers")) continue;
+    if (entry.find(word) != nullptr || (!going_by_it.empty() && word == "readers")) continue;
     file.tree().fail_at_name("topic '" + name + "' needs '" + word + ":'", entry);
   }
   const References references(file, indices);
@@ -340,7 +358,7 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
   const TreeNode* const readers_field = entry.find("readers");
   std::vector<ReaderEnd> readers;
   if (readers_field != nullptr) readers = references.readers(*readers_field, name);
-  if ((readers.empty() && !is_clock) || topic.writers.empty()) {
+  if ((readers.empty() && going_by_it.empty()) || topic.writers.empty()) {
     file.tree().fail_at_name("a topic has a writer and a reader", entry);
   }
   if (const TreeNode* const own = entry.find("readers_with")) {
@@ -349,18 +367,10 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
   for (const ReaderEnd& reader : readers) {
     topic.readers.push_back(declare_reader(file, references, entry, name, indices, reader));
   }
-  // Of a clock each node that goes by it keeps the last message.
-  for (const NodeDeclaration& node : file.nodes) {
-    const TreeNode* const clock = node.clock ? node.entry->find("clock") : nullptr;
-    if (clock == nullptr || clock->text() != name) continue;
-    topic.readers.push_back(declare_reader(file, references, entry, name, indices,
-                                           {*node.clock, "", node.name + ".clock"}));
-    ModelOrigin& origin = file.origins[topic.readers.back().model];
-    if (origin.kind == ModelOrigin::Kind::queue && origin.size.drops_oldest) {
-      origin.size.size = 1;
-    } else {
-      file.tree().fail("a clock is a topic with `use: queue` and `depth`", *clock);
-    }
+  for (const std::uint32_t node : going_by_it) {
+    const ReaderEnd reader{*file.nodes[node].clock, "", file.nodes[node].name + ".clock"};
+    topic.readers.push_back(declare_reader(file, references, entry, name, indices, reader));
+    keep_the_last(file, topic.readers.back().model, file.nodes[node]);
   }
   const auto mortal = std::count_if(readers.begin(), readers.end(), [&](const auto& end) {
     return file.programs[end.program].may_die;

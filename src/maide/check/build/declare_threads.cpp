@@ -268,13 +268,8 @@ std::vector<std::uint32_t> callers_of(const Declarations& file, std::uint32_t mo
 void check_mortal(const Declarations& file, std::uint32_t model, const Service& service) {
   std::vector<End> ends = service.clients;
   ends.push_back(service.server);
-  const bool may_die = std::ranges::any_of(ends, [&](const End& end) {
-    return std::ranges::any_of(programs_at(file, end), [&](std::uint32_t program) {
-      return file.programs[program].may_die;
-    });
-  });
+  if (std::ranges::none_of(ends, [&](const End& end) { return may_die(file, end); })) return;
   constexpr std::size_t most_clients = 16;
-  if (!may_die) return;
   const auto fail = [&](const std::string& what) {
     throw ParseError(
         "an end of service " + service.name + " may die, and " + what + ": that is not built",
@@ -326,12 +321,11 @@ void declare_threads(Declarations& file) {
     const ExecutorDeclaration executor = file.executors[number];
     if (!made.insert(number).second) continue;
     std::vector<Callback> starts = callbacks_of(file, executor, true);
-    const bool has_callbacks = !callbacks_of(file, executor, false).empty();
-    if (!has_callbacks && starts.empty()) continue;  // its nodes have threads of their own alone
+    std::vector<Callback> callbacks = callbacks_of(file, executor, false);
+    if (callbacks.empty() && starts.empty()) continue;  // its nodes have threads of their own alone
     if (executor.threads == 1) {
       add_thread(file, executor.nodes.size() == 1 ? file.nodes[first].name : executor.name,
-                 executor, {std::move(starts), callbacks_of(file, executor, false)},
-                 executor.nodes);
+                 executor, {std::move(starts), std::move(callbacks)}, executor.nodes);
       continue;
     }
     const std::uint32_t threads =

@@ -349,15 +349,12 @@ class WireMaker {
     }
     if (names.empty()) return false;
     wire.others = others_of(models_.instances[to].automaton, wire.letters);
-    const bool may_die =
-        std::ranges::any_of(programs_at(file_, writer.end),
-                            [&](std::uint32_t program) { return file_.programs[program].may_die; });
     wire.callers = callers;
     const auto caller_count = static_cast<std::uint32_t>(callers.size());
     wire.rules = std::make_shared<WireModel>(rules, names, caller_count);
     ModelInstance instance = make_instance(wire_name(models_.instances[to].name, wire.writer), to);
     instance.automaton = wire.rules->start();
-    if (wire.rules->make_all(instance.automaton, may_die, most_states)) {
+    if (wire.rules->make_all(instance.automaton, may_die(file_, writer.end), most_states)) {
       for (StateId state = 0; state < instance.automaton.size(); ++state) {
         instance.state_texts.push_back(wire.rules->describe(state));
         instance.held.push_back(wire.rules->held(state).value());

@@ -1,5 +1,5 @@
-// What threads of nodes and executors share, as automata that no text names: which runs of a
-// callback there are, which copies of a thread, and whether a node has started.
+// What threads of nodes and executors share, as automata that no text names. They say which runs of
+// a callback there are, which copies of a thread, and whether a node has started.
 //
 //   make_copies(1, false)   idle -run-> asked -begin1-> runs -end1-> idle, and `join` where it is
 //   idle
