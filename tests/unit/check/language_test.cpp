@@ -73,6 +73,14 @@ TEST(Language, ChoicesAreTheOnlyStepsOfVariables) {
             (Explored{3, 6, 0, {}}));
 }
 
+TEST(Language, WordsOfASelectMayBeVariables) {
+  EXPECT_EQ(
+      explore_program("var on: 0..2; var when: bool; var timeout: 0..1; on = 2; when = true; "
+                      "select { when (when && on == 2) { timeout = 1; } timeout 10 { skip; } }"
+                      " if (timeout == 1) { on = 3; }"),
+      (Explored{2, 1, 0, {"on = 3 is outside of 0..2"}}));
+}
+
 TEST(Language, LoopsOverVariables) {
   EXPECT_EQ(explore_program("for k in 1..3 { if * { skip; } }"), (Explored{4, 6, 0, {}}));
   EXPECT_EQ(explore_program("for k in 3..1 { if * { skip; } }"), (Explored{1, 0, 0, {}}));

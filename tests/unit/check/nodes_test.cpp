@@ -187,7 +187,7 @@ TEST(Services, OneClientIsCounted) {
       "programs:\n"
       "  a: \"loop { select { on s.serve -> request { } on s.answer { } } }\"\n"
       "  b: \"loop { select { on s.send { } on s.receive -> answer { } } }\"\n");
-  EXPECT_EQ(check_nodes(system, Reduction::none).components.front().states, 8u);
+  EXPECT_EQ(check_nodes(system, Reduction::none).components.front().states, 17u);
 }
 
 // ---- executors ----------------------------------------------------------------------------------

@@ -47,8 +47,9 @@ constexpr std::pair<std::string_view, Statement::Kind> verbs[] = {
     {"run", Statement::Kind::run},
     {"join", Statement::Kind::join},
     {"unknown", Statement::Kind::unknown}};
-// Keywords inside of one.
-constexpr std::string_view others[] = {"else", "quiet", "on", "when", "otherwise", "timeout"};
+// Keywords inside of one; those that begin an arm of a `select` may be names of variables, too.
+constexpr std::string_view arm_words[] = {"on", "when", "otherwise", "timeout"};
+constexpr std::string_view others[] = {"else", "quiet"};
 
 template <typename Words>
 bool contains(const Words& words, std::string_view what) {
@@ -397,7 +398,10 @@ class CodeParser {
       if (first.is("else")) fail("' follows no 'if' block");
       if (first.is("quiet")) fail("' is an arm of 'switch'");
       if (contains(openers, first.text)) fail("' is a keyword here");
-      if (contains(others, first.text)) fail("' begins an arm of a 'select', and this is none");
+      const bool is_set = tokens_.peek(1).is("=") || tokens_.peek(1).is("[");
+      if (contains(arm_words, first.text) && !is_set) {
+        fail("' begins an arm of a 'select', and this is none");
+      }
       if (first.is("elif") || first.is("elsif") || first.is("elseif")) {
         fail("' begins no statement; it is 'else if'");
       }
@@ -474,8 +478,9 @@ class CodeParser {
                    token);
     }
     Name name = to_name(tokens_, token);
-    if (is_reserved(name) || name.is("true") || name.is("false") || name.is("any") ||
-        name.is("fair") || name.is("bool")) {
+    const bool is_taken = is_reserved(name) && !contains(arm_words, name.text);
+    if (is_taken || name.is("true") || name.is("false") || name.is("any") || name.is("fair") ||
+        name.is("bool")) {
       tokens_.fail("'" + token.text + "' is a keyword here", token);
     }
     return name;
@@ -760,7 +765,8 @@ class CodeParser {
 }  // namespace
 
 bool is_reserved(const Name& word) {
-  return !word.is_quoted && (contains(openers, word.text) || contains(others, word.text));
+  return !word.is_quoted && (contains(openers, word.text) || contains(others, word.text) ||
+                             contains(arm_words, word.text));
 }
 
 Code parse_program(const ScalarText& text, const KnownNames& names) {

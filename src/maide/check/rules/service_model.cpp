@@ -12,8 +12,10 @@ namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
 constexpr std::uint32_t others = 0;  // in a client's queue: an answer to another's request
+// Of a program: one that was given up, and the oldest open one; the others follow it.
+constexpr std::uint32_t given_up = 1, oldest = 2;
 
-// A request: its client, and whose it is (1 + run, or nobody's).
+// A request: its client, and whose it is (1 + run, or nobody's; of a program as above).
 std::uint32_t item_of(std::uint32_t client, std::uint32_t owner) { return (client << 16) | owner; }
 std::uint32_t client_of(std::uint32_t item) { return item >> 16; }
 std::uint32_t owner_of(std::uint32_t item) { return item & 0xFFFF; }
@@ -28,9 +30,11 @@ struct ServiceModel::State {
   struct Client {
     std::vector<std::uint32_t> answers;  // owners, or `others`; oldest first, which is its own
     std::uint32_t waits = 0;             // in `receive`: 1, and 2 when the answer is due
-    std::vector<std::uint32_t> handed;   // by run: whether its answer was handed over
-    std::vector<std::uint32_t> sent;     // requests on their way, oldest first
-    std::vector<std::uint32_t> coming;   // answers on their way (coming_of), oldest first
+    // By run, or by open request of a program: whether its answer was handed over.
+    std::vector<std::uint32_t> handed;
+    std::uint32_t is_overdue = 0;       // of a program: all of them are
+    std::vector<std::uint32_t> sent;    // requests on their way, oldest first
+    std::vector<std::uint32_t> coming;  // answers on their way (coming_of), oldest first
     std::uint32_t is_dead = 0;
   };
   std::uint32_t server_waits = 0;       // in `serve`
@@ -43,6 +47,26 @@ struct ServiceModel::State {
 
   bool owes_answer() const {
     return std::ranges::any_of(clients, [](const Client& c) { return c.waits == 2; });
+  }
+  // Calls visit(owner) for each request of the client, and each answer to one; it may change it.
+  template <typename Visit>
+  void for_each_owner(std::uint32_t client, const Visit& visit) {
+    const auto visit_item = [&](std::uint32_t& item) {
+      if (item == none || client_of(item) != client) return;
+      std::uint32_t owner = owner_of(item);
+      visit(owner);
+      item = item_of(client, owner);
+    };
+    visit_item(due);
+    for (auto* const items : {&requests, &served, &clients[client].sent}) {
+      for (std::uint32_t& item : *items) visit_item(item);
+    }
+    for (std::uint32_t& owner : clients[client].answers) visit(owner);
+    for (std::uint32_t& coming : clients[client].coming) {
+      std::uint32_t owner = owner_of(coming);
+      visit(owner);
+      coming = coming_of(owner, caller_of(coming));
+    }
   }
   // An answer of that caller is on its way to a client, but for that one.
   bool is_coming(std::uint32_t caller, std::size_t but_for) const {
@@ -60,15 +84,14 @@ void ServiceModel::tidy(State& state, std::uint32_t client) const {
   // Nothing is there that it could push out when it arrives, nor will be.
   auto& coming = state.clients[client].coming;
   const bool is_counted = shape_.callers > 0 || shape_.is_in_stream;
+  const auto counts = [&](std::uint32_t owner) { return !is_thrown_away(client, owner); };
   if (!is_counted && !shape_.is_looked_at[client] && state.clients[client].answers.empty()) {
-    coming.erase(coming.begin(),
-                 std::ranges::find_if(coming, [](auto at) { return owner_of(at) != others; }));
+    coming.erase(coming.begin(), std::ranges::find_if(coming, counts, owner_of));
   }
   if (shape_.is_looked_at[client] && shape_.takes_one_by_one) return;
   auto& answers = state.clients[client].answers;
   const bool is_something_there = !answers.empty();
-  answers.erase(answers.begin(),
-                std::ranges::find_if(answers, [](auto owner) { return owner != others; }));
+  answers.erase(answers.begin(), std::ranges::find_if(answers, counts));
   if (is_something_there && answers.empty() && shape_.is_looked_at[client]) {
     answers.push_back(others);
   }
@@ -79,7 +102,7 @@ ServiceModel::ServiceModel(ServiceShape shape)
         State state;
         state.served.assign(shape.servers, none);
         for (const std::uint32_t askers : shape.askers) {
-          state.clients.push_back({{}, 0, std::vector<std::uint32_t>(askers, 0), {}, {}, 0});
+          state.clients.emplace_back().handed.assign(askers, 0);
         }
         return pack(state);
       }()),
@@ -133,12 +156,10 @@ GrowingModel::Contents ServiceModel::pack(const State& state) {
   for (const State::Client& client : state.clients) {
     contents.push_back(client.is_dead);
     contents.push_back(client.waits);
-    contents.push_back(static_cast<std::uint32_t>(client.answers.size()));
-    contents.insert(contents.end(), client.answers.begin(), client.answers.end());
-    contents.insert(contents.end(), client.handed.begin(), client.handed.end());
-    for (const auto* const wire : {&client.sent, &client.coming}) {
-      contents.push_back(static_cast<std::uint32_t>(wire->size()));
-      contents.insert(contents.end(), wire->begin(), wire->end());
+    contents.push_back(client.is_overdue);
+    for (const auto* const row : {&client.answers, &client.handed, &client.sent, &client.coming}) {
+      contents.push_back(static_cast<std::uint32_t>(row->size()));
+      contents.insert(contents.end(), row->begin(), row->end());
     }
   }
   return contents;
@@ -158,18 +179,15 @@ ServiceModel::State ServiceModel::unpack(const Contents& contents) const {
   const std::size_t requests = *at++;
   state.requests = read(requests);
   state.served = read(shape_.servers);
-  for (const std::uint32_t askers : shape_.askers) {
-    State::Client client;
+  state.clients.resize(shape_.askers.size());
+  for (State::Client& client : state.clients) {
     client.is_dead = *at++;
     client.waits = *at++;
-    const std::size_t answers = *at++;
-    client.answers = read(answers);
-    client.handed = read(askers);
-    const std::size_t sent = *at++;
-    client.sent = read(sent);
-    const std::size_t coming = *at++;
-    client.coming = read(coming);
-    state.clients.push_back(std::move(client));
+    client.is_overdue = *at++;
+    for (auto* const row : {&client.answers, &client.handed, &client.sent, &client.coming}) {
+      const std::size_t size = *at++;
+      *row = read(size);
+    }
   }
   return state;
 }
@@ -204,6 +222,7 @@ void ServiceModel::die(State& state, bool is_server, std::uint32_t clients) cons
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
     if ((clients >> number & 1) == 0) continue;
     for (std::uint32_t run = 0; run < shape_.askers[number]; ++run) forget(state, number, run);
+    if (is_program(number)) give_up_all(state, number);
     State::Client& client = state.clients[number];
     client.is_dead = 1;
     client.waits = 0;
@@ -240,7 +259,8 @@ std::uint32_t ServiceModel::pushed_out_by(const State& state, const Operation& o
 void ServiceModel::arrive(State& state, std::uint32_t number, std::uint32_t owner) const {
   State::Client& client = state.clients[number];
   if (client.waits == 1) {  // then its queue is empty, and stays so
-    if (owner != others) client.waits = 2;
+    if (owner == oldest) client.waits = 2;
+    if (owner > oldest) client.handed[owner - oldest] = 1;
     return;
   }
   if (client.answers.size() == shape_.depth) {
@@ -272,21 +292,108 @@ bool ServiceModel::take_others(State& state, std::uint32_t client) const {
 }
 
 void ServiceModel::forget(State& state, std::uint32_t client, std::uint32_t run) const {
-  const std::uint32_t own = item_of(client, 1 + run), lost = item_of(client, nobody(client));
-  std::replace(state.requests.begin(), state.requests.end(), own, lost);
-  std::replace(state.served.begin(), state.served.end(), own, lost);
-  if (state.due == own) state.due = lost;
-  State::Client& asker = state.clients[client];
-  std::replace(asker.sent.begin(), asker.sent.end(), own, lost);
-  std::replace(asker.answers.begin(), asker.answers.end(), 1 + run, nobody(client));
-  for (std::uint32_t& coming : asker.coming) {
-    if (owner_of(coming) == 1 + run) coming = coming_of(nobody(client), caller_of(coming));
-  }
+  state.for_each_owner(client, [&](std::uint32_t& owner) {
+    if (owner == 1 + run) owner = nobody(client);
+  });
   state.clients[client].handed[run] = 0;
+}
+
+// ---- the requests of a program ------------------------------------------------------------------
+
+bool ServiceModel::is_thrown_away(std::uint32_t client, std::uint32_t owner) const {
+  return owner == others || (is_program(client) && owner == given_up);
+}
+
+bool ServiceModel::take_oldest(State& state, std::uint32_t number) const {
+  State::Client& client = state.clients[number];
+  if (!client.handed.empty() && std::exchange(client.handed.front(), 0) != 0) return true;
+  while (!client.answers.empty()) {
+    const std::uint32_t owner = client.answers.front();
+    client.answers.erase(client.answers.begin());
+    if (owner == oldest) {
+      tidy(state, number);
+      return true;
+    }
+    if (owner > oldest) client.handed[owner - oldest] = 1;
+  }
+  tidy(state, number);
+  return false;
+}
+
+bool ServiceModel::take_last(State& state, std::uint32_t number) const {
+  State::Client& client = state.clients[number];
+  if (client.handed.empty()) return false;
+  const auto last = static_cast<std::uint32_t>(client.handed.size() - 1);
+  const auto answer = std::ranges::find(client.answers, oldest + last);
+  if (client.handed[last] == 0 && answer == client.answers.end()) return false;
+  if (client.handed[last] == 0) client.answers.erase(client.answers.begin(), answer + 1);
+  give_up_all(state, number);
+  return true;
+}
+
+void ServiceModel::complete(State& state, std::uint32_t number) const {
+  State::Client& client = state.clients[number];
+  client.handed.erase(client.handed.begin());
+  state.for_each_owner(number, [](std::uint32_t& owner) {
+    if (owner > oldest) --owner;
+  });
+}
+
+std::uint32_t ServiceModel::begin_request(State& state, std::uint32_t number,
+                                          std::uint32_t run) const {
+  State::Client& client = state.clients[number];
+  if (is_program(number)) {
+    if (std::exchange(client.is_overdue, 0) != 0) give_up_all(state, number);
+    client.handed.push_back(0);
+    return static_cast<std::uint32_t>(given_up + client.handed.size());
+  }
+  if (run >= shape_.askers[number]) return nobody(number);
+  forget(state, number, run);
+  return 1 + run;
+}
+
+void ServiceModel::give_up_all(State& state, std::uint32_t number) const {
+  state.clients[number].handed.clear();
+  state.for_each_owner(number, [](std::uint32_t& owner) {
+    if (owner >= oldest) owner = given_up;
+  });
+  tidy(state, number);
+}
+
+void ServiceModel::tidy_open(State& state, std::uint32_t number) const {
+  State::Client& client = state.clients[number];
+  if (client.handed.empty()) {
+    client.is_overdue = 0;
+    return;
+  }
+  const std::size_t last = client.handed.size() - 1;
+  std::vector<std::uint32_t> is_open = client.handed;
+  if (client.waits == 2) is_open.front() = 1;
+  state.for_each_owner(number, [&](const std::uint32_t& owner) {
+    if (owner >= oldest) is_open[owner - oldest] = 1;
+  });
+  const auto lost = static_cast<std::size_t>(std::ranges::find(is_open, 0U) - is_open.begin());
+  if (lost + 1 >= last) return;
+  client.handed = {client.handed.begin(), client.handed.begin() + static_cast<long>(lost) + 1};
+  client.handed.push_back(0);
+  state.for_each_owner(number, [&](std::uint32_t& owner) {
+    if (owner < oldest + lost) return;
+    owner = owner == oldest + last ? static_cast<std::uint32_t>(oldest + lost + 1) : given_up;
+  });
+  tidy(state, number);
 }
 
 std::optional<ServiceModel::State> ServiceModel::after(State state,
                                                        const Operation& operation) const {
+  auto next = behind(std::move(state), operation);
+  for (std::uint32_t client = 0; next && client < next->clients.size(); ++client) {
+    if (is_program(client)) tidy_open(*next, client);
+  }
+  return next;
+}
+
+std::optional<ServiceModel::State> ServiceModel::behind(State state,
+                                                        const Operation& operation) const {
   using Kind = Operation::Kind;
   const auto [kind, number, run, caller, pushes_out] = operation;
   if (pushes_out && *pushes_out != pushed_out_by(state, operation)) return std::nullopt;
@@ -325,10 +432,8 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       return state;
     case Kind::answer_due: return when(state.owes_answer());
     case Kind::send: {
-      const bool is_of_run = run < shape_.askers[number];
-      const std::uint32_t item = item_of(number, is_of_run ? 1 + run : nobody(number));
       if (!takes_requests && !shape_.is_late[number]) return std::nullopt;
-      if (is_of_run) forget(state, number, run);
+      const std::uint32_t item = item_of(number, begin_request(state, number, run));
       if (state.is_server_dead != 0) return state;
       if (shape_.is_late[number]) {
         wire().put(client.sent, item);
@@ -339,13 +444,19 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
     }
     case Kind::receive:
       if (client.waits != 0) return std::nullopt;
-      client.waits = take_own(state, number) ? 2 : 1;
+      client.waits = take_oldest(state, number) ? 2 : 1;
       return state;
     case Kind::take_answer:
+      if (client.waits == 0) return when(take_last(state, number));
       if (client.waits != 2) return std::nullopt;
       client.waits = 0;
+      complete(state, number);
       return state;
-    case Kind::receive_at_once: return when(client.waits == 0 && take_own(state, number));
+    case Kind::receive_at_once:
+      if (client.waits != 0 || !take_oldest(state, number)) return std::nullopt;
+      complete(state, number);
+      return state;
+    case Kind::time_out: client.is_overdue = 1; return state;
     case Kind::hand_over:
     case Kind::take_own: {
       const auto owner = take_own(state, number);
@@ -359,9 +470,7 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
       client.handed[run] = 0;
       return state;
     case Kind::end_run: forget(state, number, run); return state;
-    case Kind::send_in_vain:
-      if (run < shape_.askers[number]) forget(state, number, run);
-      return state;
+    case Kind::send_in_vain: begin_request(state, number, run); return state;
     case Kind::withdraw: lose_requests(state); return state;
     case Kind::die: die(state, caller != 0, run); return state;
     case Kind::server_is_dead: return when(state.is_server_dead != 0);
@@ -418,7 +527,9 @@ std::vector<GrowingModel::Follower> ServiceModel::followers(const Contents& cont
     if (shape_.askers[client] > 0) continue;
     add(Action::Kind::input, 2 + 2 * client, {Kind::send, client, none});
     add(Action::Kind::input, 3 + 2 * client, {Kind::receive, client, none});
-    add(Action::Kind::output, 1 + client, {Kind::take_answer, client, none});
+    if (unpack(contents).clients[client].waits == 2) {
+      add(Action::Kind::output, 1 + client, {Kind::take_answer, client, none});
+    }
   }
   return result;
 }
@@ -485,9 +596,9 @@ std::optional<ServiceContents> ServiceModel::service_contents(StateId at) const 
   }
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
     const State::Client& client = state.clients[number];
-    const auto own_of = [](const std::vector<std::uint32_t>& answers) {
-      return static_cast<std::uint32_t>(
-          std::ranges::count_if(answers, [](auto owner) { return owner_of(owner) != others; }));
+    const auto own_of = [&](const std::vector<std::uint32_t>& answers) {
+      return static_cast<std::uint32_t>(std::ranges::count_if(
+          answers, [&](auto answer) { return !is_thrown_away(number, owner_of(answer)); }));
     };
     const auto handed = static_cast<std::uint32_t>(std::ranges::count(client.handed, 1U));
     result.answers[number] = own_of(client.answers) + handed + (client.waits == 2 ? 1 : 0);
@@ -518,6 +629,7 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::receive: return "receive" + of;
     case Kind::take_answer: return "!answer" + of;
     case Kind::receive_at_once: return "receive -> answer" + of;
+    case Kind::time_out: return "requests are overdue" + of;
     case Kind::hand_over: return "an answer is handed over" + of;
     case Kind::take_own: return "an answer is taken" + of;
     case Kind::take_others: return "answers to others are thrown away" + of;

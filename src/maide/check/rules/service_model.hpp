@@ -5,6 +5,12 @@
 // Callbacks of a node ask under their own names: a request is its run's until that run is over or
 // has asked again, and then nobody's. Its client still takes the answer.
 //
+// The open requests of a program have numbers, the oldest 0. It receives the answer to that one
+// alone; what it finds before, and what answers another open one, is handed over for that one. A
+// time-out makes all that are open overdue, and the next request gives those up: what answers them
+// is thrown away, as what answers others is. Behind a request that can not be answered any more no
+// other is received, but the last one may be waited for: those between are given up.
+//
 // An executor that goes by rounds finds a client ready when any answer is in its queue. If its
 // place in the round comes and the queue begins with answers to others, those are thrown away and
 // nothing runs: all that are older than the first own answer, which then is taken in the same step
@@ -18,8 +24,9 @@
 // programs, not nodes, do, for a run to be played on a real service.
 // Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
 // a run, for a run's earlier requests are nobody's. The oldest answer in a client's queue is its
-// own, except where an executor goes by rounds: over Cyclone DDS the queue then is one answer to
-// others where it holds only such answers; over Fast DDS it is as it is.
+// own, and of a program one to an open request, except where an executor goes by rounds: over
+// Cyclone DDS the queue then is one answer to others where it holds only such answers; over Fast
+// DDS it is as it is. Of the open requests of a program at most the last two can not be answered.
 #pragma once
 
 #include <cstdint>
@@ -65,8 +72,9 @@ class ServiceModel : public GrowingModel {
       // What a client does.
       send,     // by the run number `run` of its callbacks; beyond them, or of a program: by nobody
       receive,  // asks for an answer
-      take_answer,  // takes the one that is due
+      take_answer,  // takes the one that is due; where none was asked for, that to the last request
       receive_at_once,
+      time_out,  // all open requests are overdue
       // What a client does that is a node.
       hand_over,    // its callback takes an answer to one of its requests, for the run that asked
       take_own,     // for code of its own
@@ -119,6 +127,8 @@ class ServiceModel : public GrowingModel {
   std::vector<Follower> followers(const Contents& contents) const override;
   bool is_due(const Contents& contents) const override;
   std::optional<State> after(State state, const Operation& operation) const;
+  // The same, before what makes no difference is tidied away.
+  std::optional<State> behind(State state, const Operation& operation) const;
   std::string text_of(const Operation& operation) const;
 
   void send(State& state, std::uint32_t item) const;
@@ -135,8 +145,22 @@ class ServiceModel : public GrowingModel {
   void arrive(State& state, std::uint32_t client, std::uint32_t owner) const;
   bool has_wires() const;
   WireRules wire() const { return {shape_.depth, shape_.loses}; }
-  // The first own answer of the client.
+  // The first own answer of the node.
   std::optional<std::uint32_t> take_own(State& state, std::uint32_t client) const;
+  // A request begins. Returns its owner.
+  std::uint32_t begin_request(State& state, std::uint32_t client, std::uint32_t run) const;
+  bool is_program(std::uint32_t client) const { return shape_.askers[client] == 0; }
+  // Of a program's open requests: the answer to the oldest is there, and is taken.
+  bool take_oldest(State& state, std::uint32_t client) const;
+  // The answer to the last is there, and is taken; the others are given up.
+  bool take_last(State& state, std::uint32_t client) const;
+  // The oldest was answered.
+  void complete(State& state, std::uint32_t client) const;
+  void give_up_all(State& state, std::uint32_t client) const;
+  // Gives up those behind one that can not be answered, but for the last.
+  void tidy_open(State& state, std::uint32_t client) const;
+  // The answer makes no difference to whoever finds it.
+  bool is_thrown_away(std::uint32_t client, std::uint32_t owner) const;
   bool take_others(State& state, std::uint32_t client) const;
   // Drops answers to others that make no difference.
   void tidy(State& state, std::uint32_t client) const;

@@ -222,7 +222,9 @@ void SelectSteps::expand_otherwise(const Place& place, const Statement& statemen
   const bool is_timeout = waiting.kind == SelectArm::Kind::timeout;
   for (const auto& [conditions, guards] :
        outcomes_of(run, actions_, at(waiting.line, waiting.column), known)) {
-    for (Uses& uses : idle_uses(statement, guards, values)) {
+    std::vector<Uses> ways = idle_uses(statement, guards, values);
+    if (is_timeout) ways = actions_.combine({overdue_in(statement, values)}, ways);
+    for (Uses& uses : ways) {
       for (const ModelUse& use : actions_.variables(conditions, {})) uses.push_back(use);
       const ControlState target = settle(enter(*waiting.body, behind(place.frame)), values);
       add_combined({is_timeout ? CombinedStep::Role::timeout : CombinedStep::Role::otherwise,
@@ -233,6 +235,23 @@ void SelectSteps::expand_otherwise(const Place& place, const Statement& statemen
                    target, waiting.line, waiting.column);
     }
   }
+}
+
+Uses SelectSteps::overdue_in(const Statement& statement, const Values& values) {
+  Uses overdue;
+  for (const SelectArm& arm : statement.select_arms) {
+    const bool is_input = arm.kind == SelectArm::Kind::input && !arm.model.is_topic;
+    if (!is_input || arm.callback != nullptr) continue;
+    try {
+      const std::uint32_t model = model_of(arm.model, values);
+      const auto late = services_.time_out_of(arm, model);
+      if (late && std::ranges::find(overdue, model, &ModelUse::model) == overdue.end()) {
+        overdue.push_back(*late);
+      }
+    } catch (const EvaluationError&) {  // then there is no time-out
+    }
+  }
+  return overdue;
 }
 
 std::vector<Uses> SelectSteps::idle_uses(const Statement& statement,

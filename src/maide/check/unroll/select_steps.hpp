@@ -37,6 +37,8 @@ class SelectSteps : public EdgeWriter {
   // an output due.
   void expand_otherwise(const Place& place, const Statement& statement, const SelectArm& waiting,
                         const Values& values);
+  // What its time-out does: a program's requests that its arms wait for are overdue.
+  Uses overdue_in(const Statement& statement, const Values& values);
   // Each is one way in which that can be. None: some arm can be taken whatever the models do.
   std::vector<Uses> idle_uses(const Statement& statement, const std::vector<std::int8_t>& guards,
                               const Values& values);

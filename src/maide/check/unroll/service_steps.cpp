@@ -78,6 +78,14 @@ ServiceSteps::Arm ServiceSteps::arm(const SelectArm& arm, std::uint32_t model,
   return way;
 }
 
+std::optional<ModelUse> ServiceSteps::time_out_of(const SelectArm& arm, std::uint32_t model) const {
+  const auto service = names_.services.find(model);
+  if (service == names_.services.end()) return std::nullopt;
+  const Operation given = operation_of(service->second, arm.event.name, true, arm.callback);
+  if (given.kind != Kind::receive) return std::nullopt;
+  return service->second.rules->use(actions_, model, {Kind::time_out, given.client, nobody});
+}
+
 // ---- callbacks ----------------------------------------------------------------------------------
 
 std::pair<Uses, Uses> ServiceSteps::start_of(const Callback& callback) const {

@@ -38,6 +38,8 @@ class ServiceSteps {
   };
   // Throws ParseError: the arm's outputs never follow at once.
   Arm arm(const SelectArm& arm, std::uint32_t model, const SourcePosition& position) const;
+  // A time-out beside that arm of a program's makes its requests overdue, if it receives answers.
+  std::optional<ModelUse> time_out_of(const SelectArm& arm, std::uint32_t model) const;
   // How a callback can start that takes nothing from a model of the file; and its events.
   std::pair<Uses, Uses> start_of(const Callback& callback) const;
   // A client's callback is passed over for answers to others, which are thrown away.
