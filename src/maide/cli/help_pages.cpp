@@ -136,11 +136,11 @@ std::string_view language_help() {
 Sections; `programs` or `nodes` must be there:
   constants:   {n: 4, half: n / 2, fast: true}
   models:      NAME: {file: via.dot}  {learn: SUL, with: {KEY: VALUE}}
-               {use: mutex}  {use: semaphore, with: {count: n}}
-               {use: queue, with: {size: n}}    depth: n|unknown keeps the last
+               {use: mutex}  {use: condition, with: {mutex: m}}
+               {use: semaphore, with: {count: n}}  {use: queue, with: {size: n}}
                when_unexplored: stop|wait|drop  when_weak: inconclusive|accept
                ends: {writer: [P, Q], reader: R}         programs at its ends
-  topics:      NAME: {writers: P, readers: [Q, R], use: queue, with: {size: n},
+  topics:      NAME: {writers: P, readers: [Q, R], use: queue, with: {depth: n},
                       readers_with: {R: {size: 1}}}      keys as at a model
   services:    NAME: {server: P, clients: [Q, R], with: {depth: n}}
                all three: delivery: late|at_once, loses: true   stream: A

@@ -60,14 +60,9 @@ std::string describe_model(const System& system, StateId state, const ProgramEdg
 
 void write_waiting(std::ostream& out, const System& system, const GlobalState& state,
                    const Program& program, ControlState control) {
-  const auto edges = program.edges_of(control);
-  std::vector<ProgramEdge> awaited;
+  const std::vector<ProgramEdge> awaited = awaited_at(program, control);
   std::vector<std::string> steps;
-  for (const ProgramEdge& edge : edges) {
-    if (!program.is_progress(edge)) continue;
-    awaited.push_back(edge);
-    steps.push_back(describe_edge(system, program, edge));
-  }
+  for (const ProgramEdge& edge : awaited) steps.push_back(describe_edge(system, program, edge));
   const std::vector<Program::Guard> guards = closed_guards(program, control);
   if (awaited.empty() && guards.empty()) {
     out << fmt::format("  {} {}\n", program.name,

@@ -3,27 +3,18 @@
 // that hung on rclcpp (Humble), each beside one that does not.
 #include <gtest/gtest.h>
 
-#include <ostream>
 #include <string>
 
 #include "maide/check/build/system_file.hpp"
-#include "maide/check/engines/engine.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
+#include "verdict_cases.hpp"
 
 namespace maide {
 namespace {
 
-constexpr const char* V = "violated";
-constexpr const char* H = "holds";
-
-struct NodeSystem {
-  const char* name;
-  const char* property;
-  const char* verdict;
-  std::string text;
-};
-void PrintTo(const NodeSystem& system, std::ostream* out) { *out << system.name; }
+using test::H;
+using test::V;
 
 // Two constructors, each of which waits for the other's service.
 std::string constructors(const std::string& of_a, const std::string& of_b) {
@@ -216,7 +207,7 @@ nodes:
       look: {timer: 10, when: "list[x]", do: "skip;"}
 )yaml";
 
-const NodeSystem node_systems[] = {
+const test::VerdictCase node_systems[] = {
     {"constructors_wait", "deadlock", V,
      constructors("wait svc_b -> there; offer svc_a; @up skip;",
                   "wait svc_a -> there; offer svc_b;")},
@@ -279,27 +270,11 @@ const NodeSystem node_systems[] = {
     {"timers_on_two", "done", H, timers("{kind: multi, threads: 2}")},
 };
 
-class NodeSystems : public testing::TestWithParam<NodeSystem> {};
+class NodeSystems : public testing::TestWithParam<test::VerdictCase> {};
 
-// All reductions agree on the verdict.
-TEST_P(NodeSystems, HaveTheVerdictsThatTheyMustHave) {
-  const System system = parse_system(GetParam().text, "s.yaml", test::test_model);
-  NativeEngine engine;
-  for (const Reduction reduction :
-       {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
-    CheckRequest request;
-    request.properties = {GetParam().property};
-    request.options.reduction = reduction;
-    const CheckReport report = check_system(system, engine, request);
-    EXPECT_EQ(to_string(report.properties.at(0).verdict), std::string(GetParam().verdict))
-        << to_string(reduction);
-  }
-}
+TEST_P(NodeSystems, HaveTheVerdictsThatTheyMustHave) { test::expect_verdict(GetParam()); }
 
-INSTANTIATE_TEST_SUITE_P(All, NodeSystems, testing::ValuesIn(node_systems),
-                         [](const testing::TestParamInfo<NodeSystem>& system) {
-                           return std::string(system.param.name) + "_" + system.param.property;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, NodeSystems, testing::ValuesIn(node_systems), test::name_of);
 
 std::string error_in(const std::string& robot) {
   const std::string text = R"yaml(

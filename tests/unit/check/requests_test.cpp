@@ -2,30 +2,21 @@
 // request. What rclcpp does was run: a future is completed by its own answer alone.
 #include <gtest/gtest.h>
 
-#include <ostream>
 #include <string>
 
 #include "maide/check/build/system_file.hpp"
-#include "maide/check/engines/engine.hpp"
 #include "maide/check/verdict/check_system.hpp"
 #include "systems.hpp"
+#include "verdict_cases.hpp"
 
 namespace maide {
 namespace {
 
-constexpr const char* V = "violated";
-constexpr const char* H = "holds";
+using test::H;
+using test::V;
 
-struct RequestSystem {
-  const char* name;
-  const char* property;
-  const char* verdict;
-  std::string client, server;
-};
-void PrintTo(const RequestSystem& system, std::ostream* out) { *out << system.name; }
-
-const std::string once = "ask.serve -> request; ask.answer;";
-const std::string twice = once + once;
+const std::string answers = "ask.serve -> request; ask.answer;";
+const std::string answers_twice = answers + answers;
 const std::string always =
     "loop { idle ask.serve -> request; if (served < 3) { served = served + 1; } ask.answer; }";
 // The first request is served and not answered, for another one is served meanwhile.
@@ -35,77 +26,61 @@ const std::string gives_up =
 const std::string receive = "ask.receive -> answer;";
 const std::string last = "wait ask -> answer;";
 
-const RequestSystem request_systems[] = {
+// A client and a server.
+std::string asked(const std::string& client, const std::string& server) {
+  const bool is_marked = client.find("@got") != std::string::npos;
+  return "services: {ask: {server: s, clients: c, with: {depth: 4}}}\nvariables: \"var served: "
+         "0..3;\"\nprograms:\n  c: \"" +
+         client + (is_marked ? "" : " @got skip;") + "\"\n  s: \"" + server +
+         "\"\nproperties:\n  got: \"F c@got\"\n  one_served: \"G (c@got -> served >= 1)\"\n"
+         "  two_served: \"G (c@got -> served >= 2)\"\n";
+}
+
+const test::VerdictCase request_systems[] = {
     // The answer to the request that was given up is late, and completes nothing.
-    {"given_up", "deadlock", V, gives_up + "ask.send; " + receive, once},
-    {"given_up_answered", "deadlock", H, gives_up + "ask.send; " + receive, always},
-    {"given_up", "two_served", H, gives_up + "ask.send; " + receive + "@got skip;", always},
-    {"given_up_in_a_loop", "two_served", V, "repeat 2 { " + gives_up + " } @got skip;", always},
+    {"given_up", "deadlock", V, asked(gives_up + "ask.send; " + receive, answers)},
+    {"given_up_answered", "deadlock", H, asked(gives_up + "ask.send; " + receive, always)},
+    {"given_up", "two_served", H, asked(gives_up + "ask.send; " + receive + "@got skip;", always)},
+    {"given_up_in_a_loop", "two_served", V,
+     asked("repeat 2 { " + gives_up + " } @got skip;", always)},
     // Without a new request the old one is still waited for.
-    {"waits_again", "deadlock", H, gives_up + receive, once},
-    {"waits_again_for_long", "deadlock", H, gives_up + gives_up.substr(9) + receive, once},
+    {"waits_again", "deadlock", H, asked(gives_up + receive, answers)},
+    {"waits_again_for_long", "deadlock", H,
+     asked(gives_up + gives_up.substr(9) + receive, answers)},
     // A poll gives nothing up.
     {"polls", "deadlock", H,
-     "ask.send; select { on ask.receive -> answer { } otherwise { } } ask.send; select { on "
-     "ask.receive -> answer { } timeout 5 { } }",
-     once},
+     asked("ask.send; select { on ask.receive -> answer { } otherwise { } } ask.send; select { on "
+           "ask.receive -> answer { } timeout 5 { } }",
+           answers)},
     {"polls", "got", V,
-     "ask.send; select { on ask.receive -> answer { } otherwise { ask.send; " + receive + receive +
-         " } } @got skip;",
-     once},
+     asked("ask.send; select { on ask.receive -> answer { } otherwise { ask.send; " + receive +
+               receive + " } } @got skip;",
+           answers)},
     // In the order in which they were sent.
-    {"in_order", "deadlock", H, "ask.send; ask.send; " + receive + receive, twice},
-    {"in_order", "one_served", H, "ask.send; ask.send; " + receive + "@got skip;", always},
-    {"in_order", "two_served", V, "ask.send; ask.send; " + receive + "@got skip;", always},
-    {"first_is_lost", "deadlock", V, "ask.send; ask.send; " + receive, loses_one},
-    {"first_is_lost", "got", V, "ask.send; ask.send; " + receive + "@got skip;", loses_one},
+    {"in_order", "deadlock", H, asked("ask.send; ask.send; " + receive + receive, answers_twice)},
+    {"in_order", "one_served", H, asked("ask.send; ask.send; " + receive + "@got skip;", always)},
+    {"in_order", "two_served", V, asked("ask.send; ask.send; " + receive + "@got skip;", always)},
+    {"first_is_lost", "deadlock", V, asked("ask.send; ask.send; " + receive, loses_one)},
+    {"first_is_lost", "got", V, asked("ask.send; ask.send; " + receive + "@got skip;", loses_one)},
     // The last one is waited for, whatever became of the others.
-    {"last_of_two", "deadlock", H, "ask.send; ask.send; " + last, loses_one},
-    {"last_of_two", "two_served", H, "ask.send; ask.send; " + last + "@got skip;", always},
-    {"last_of_four", "deadlock", H, "repeat 4 { ask.send; } " + last, loses_one + twice},
-    {"last_then_none", "deadlock", V, "ask.send; ask.send; " + last + receive, twice},
+    {"last_of_two", "deadlock", H, asked("ask.send; ask.send; " + last, loses_one)},
+    {"last_of_two", "two_served", H, asked("ask.send; ask.send; " + last + "@got skip;", always)},
+    {"last_of_four", "deadlock", H,
+     asked("repeat 4 { ask.send; } " + last, loses_one + answers_twice)},
+    {"last_then_none", "deadlock", V,
+     asked("ask.send; ask.send; " + last + receive, answers_twice)},
     {"last_in_a_select", "deadlock", H,
-     "ask.send; ask.send; select { on ask!answer { } timeout 5 { } }", loses_one},
-    {"receive_without_arrow", "deadlock", H, "ask.send; ask.receive; skip; wait ask -> answer;",
-     once},
-    {"never_asked", "deadlock", V, receive, once},
+     asked("ask.send; ask.send; select { on ask!answer { } timeout 5 { } }", loses_one)},
+    {"receive_without_arrow", "deadlock", H,
+     asked("ask.send; ask.receive; skip; wait ask -> answer;", answers)},
+    {"never_asked", "deadlock", V, asked(receive, answers)},
 };
 
-System system_of(const RequestSystem& requests) {
-  return parse_system(
-      "services: {ask: {server: s, clients: c, with: {depth: 4}}}\n"
-      "variables: \"var served: 0..3;\"\n"
-      "programs:\n  c: \"" +
-          requests.client + "\"\n  s: \"" + requests.server +
-          " \"\nproperties:\n"
-          "  got: \"F c@got\"\n"
-          "  one_served: \"G (c@got -> served >= 1)\"\n"
-          "  two_served: \"G (c@got -> served >= 2)\"\n",
-      "s.yaml", test::test_model);
-}
+class RequestSystems : public testing::TestWithParam<test::VerdictCase> {};
 
-class RequestSystems : public testing::TestWithParam<RequestSystem> {};
+TEST_P(RequestSystems, HaveTheVerdictsThatTheyMustHave) { test::expect_verdict(GetParam()); }
 
-TEST_P(RequestSystems, HaveTheVerdictsThatTheyMustHave) {
-  RequestSystem requests = GetParam();
-  if (requests.client.find("@got") == std::string::npos) requests.client += "@got skip;";
-  const System system = system_of(requests);
-  NativeEngine engine;
-  for (const Reduction reduction :
-       {Reduction::none, Reduction::calls, Reduction::order, Reduction::full}) {
-    CheckRequest request;
-    request.properties = {requests.property};
-    request.options.reduction = reduction;
-    const CheckReport report = check_system(system, engine, request);
-    EXPECT_EQ(to_string(report.properties.at(0).verdict), std::string(requests.verdict))
-        << to_string(reduction);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(All, RequestSystems, testing::ValuesIn(request_systems),
-                         [](const testing::TestParamInfo<RequestSystem>& system) {
-                           return std::string(system.param.name) + "_" + system.param.property;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, RequestSystems, testing::ValuesIn(request_systems), test::name_of);
 
 }  // namespace
 }  // namespace maide

@@ -86,7 +86,9 @@ Statement CodeResolver::resolve_statement(const syntax::Statement& from) {
   statement.column = from.place.column;
   statement.callback = work_.context->callback;
   statement.is_idle = from.is_idle;
-  if (from.is_idle && statement.callback != nullptr) {
+  const bool is_thread =
+      statement.callback != nullptr && statement.callback->kind == Callback::Kind::thread;
+  if (from.is_idle && statement.callback != nullptr && !is_thread) {
     names_.fail("a callback does not rest: its thread waits for its end", from.place);
   }
   resolve_kind(from, statement);
@@ -153,6 +155,14 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
     case From::give_arms:
       to.kind = To::give;
       to.model = events_.model(from.model);
+      if (events_.is_condition(to.model) && from.event.name.is("wait")) {
+        resolve_condition_wait(from, to);
+        break;
+      }
+      if (!from.select_arms.empty()) {
+        names_.fail("'timeout' stands behind the `wait` of a condition, or in a 'select'",
+                    from.select_arms.front().place);
+      }
       to.input = events_.input(to.model, from.event);
       for (const syntax::Arm& arm : from.arms) {
         if (from.kind == From::give) {
@@ -277,6 +287,40 @@ void CodeResolver::resolve_wait(const syntax::Statement& from, Statement& to) {
   to.kind = Statement::Kind::wait;
   to.model = events_.model(from.model);
   to.arms.push_back(resolve_awaited(to.model, awaited));
+}
+
+void CodeResolver::resolve_condition_wait(const syntax::Statement& from, Statement& to) {
+  to.input = events_.input(to.model, from.event);
+  const auto begin = [&](Statement::Kind kind) {
+    Statement made;
+    made.kind = kind;
+    made.line = to.line;
+    made.column = to.column;
+    made.callback = to.callback;
+    made.model = to.model;
+    return made;
+  };
+  Statement gives = begin(Statement::Kind::give), waits = begin(Statement::Kind::select);
+  gives.input = to.input;
+  waits.is_idle = std::exchange(to.is_idle, false);
+  for (const auto kind : {SelectArm::Kind::wake, SelectArm::Kind::wake_causeless}) {
+    SelectArm& arm = waits.select_arms.emplace_back();
+    arm.kind = kind;
+    arm.model = to.model;
+    arm.callback = to.callback;
+    arm.body = std::make_unique<Block>();
+    arm.line = to.line;
+    arm.column = to.column;
+  }
+  for (const syntax::SelectArm& late : from.select_arms) {
+    SelectArm& arm = waits.select_arms.emplace_back(resolve_select_arm(late));
+    auto& statements = arm.body->statements;
+    statements.insert(statements.begin(), begin(Statement::Kind::relock));
+  }
+  to.kind = Statement::Kind::inner;
+  to.body = std::make_unique<Block>();
+  to.body->statements.push_back(std::move(gives));
+  to.body->statements.push_back(std::move(waits));
 }
 
 void CodeResolver::resolve_repeat(const syntax::Statement& from, Statement& to) {
@@ -482,6 +526,10 @@ SelectArm CodeResolver::resolve_select_arm(const syntax::SelectArm& from) {
     case From::input:
       arm.kind = To::input;
       arm.model = events_.model(from.model);
+      if (events_.is_condition(arm.model) && from.event.name.is("wait")) {
+        names_.fail("the `wait` of a condition stands alone: it gives its mutex back, and waits",
+                    from.event.name.place);
+      }
       arm.event = events_.input(arm.model, from.event);
       if (!from.has_arms) arm.body = resolve_block(from.body);
       for (const syntax::Arm& output : from.arms) {

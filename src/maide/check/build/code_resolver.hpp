@@ -38,6 +38,8 @@ class CodeResolver {
   void resolve_wait_for_server(const syntax::Statement& from, Statement& to);
   void resolve_offer(const syntax::Statement& from, Statement& to);
   void resolve_run(const syntax::Statement& from, Statement& to);
+  // `cv.wait;`, perhaps with a time-out: gives the mutex back, waits, and has it again.
+  void resolve_condition_wait(const syntax::Statement& from, Statement& to);
   void resolve_repeat(const syntax::Statement& from, Statement& to);
   // LOW..HIGH, which may depend on the program's own variables.
   void resolve_bounds(const syntax::Range& range, Statement& to, std::string_view what);

@@ -399,6 +399,7 @@ Declarations declare(SystemTree tree, Deliveries deliveries) {
   file.is_at_rest = deliveries == Deliveries::at_rest;
   file.source = std::make_shared<const SystemTree>(std::move(tree));
   file.asks_at_once = is_given(file.tree().root, "tryread");
+  file.tries_locks = is_given(file.tree().root, "trylock");
   const TreeNode& root = file.tree().root;
   if (root.find("programs") == nullptr && root.find("nodes") == nullptr) {
     file.tree().fail("there is no 'programs:' and no 'nodes:'", root);
@@ -414,6 +415,7 @@ Declarations declare(SystemTree tree, Deliveries deliveries) {
   declare_models(file);
   declare_topics(file);
   declare_procedures(file);
+  declare_locks(file);
   declare_variables(file);
   declare_due(file);
   declare_presence(file);

@@ -70,14 +70,17 @@ struct ModelOrigin {
     asked,     // of a ModelSource
     copied,    // of an array: that of its first member
     built_in,  // `built_in`, of `count`
-    queue,     // of `size`
+    recursive_mutex,
+    condition,
+    queue,  // of `size`
   };
   Kind kind = Kind::made;
   ModelRequest request;
   std::vector<const TreeNode*> options;  // those of the request, for messages
   std::uint32_t first = 0;               // of a copy
   const BuiltInModel* built_in = nullptr;
-  std::uint32_t count = 0;
+  std::uint32_t count = 0;                 // of a mutex: whether it has `trylock`
+  const TreeNode* of_condition = nullptr;  // the option that names its mutex
   QueueSize size;
   const YamlNode* ends = nullptr;  // what the file says under `ends:`
 };
@@ -109,6 +112,7 @@ struct Declarations {
   std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> topic_of;
   bool is_at_rest = false;    // all messages arrive at once, whatever the file says
   bool asks_at_once = false;  // some text has `tryread`, which queues then have as an input
+  bool tries_locks = false;   // some text has `trylock`, which mutexes then have
   std::map<std::uint32_t, DeliveryWish> deliveries;  // by model, of topics' readers, too
   std::map<std::uint32_t, std::string> ends_of;      // of models with ends: their name, in `names`
 
@@ -147,6 +151,8 @@ void declare_threads(Declarations& file);
 void declare_models(Declarations& file);
 void declare_topics(Declarations& file);
 void declare_procedures(Declarations& file);
+// Who uses mutexes that know their holder, and conditions.
+void declare_locks(Declarations& file);
 void declare_variables(Declarations& file);
 
 // ---- What they share ----

@@ -99,7 +99,9 @@ class ModelDeclarer {
     const TreeNode* const use = find(fields_, "use");
     if (use == nullptr) return;
     const std::string& kind = use->text();
+    if (kind == "condition") return declare_condition(origin, *use);
     origin.built_in = find_built_in(kind);
+    if (kind == "mutex") return declare_mutex(origin);
     origin.kind =
         origin.built_in == nullptr ? ModelOrigin::Kind::queue : ModelOrigin::Kind::built_in;
     std::vector<std::string> known{"size", "depth"};
@@ -143,6 +145,26 @@ class ModelDeclarer {
   }
 
  private:
+  void declare_mutex(ModelOrigin& origin) const {
+    check_options("mutex", {"recursive"});
+    const TreeNode* const recursive = find(options_, "recursive");
+    if (recursive != nullptr && !recursive->is("true") && !recursive->is("false")) {
+      file_.tree().fail("'recursive' is 'true' or 'false'", *recursive);
+    }
+    origin.count = file_.tries_locks ? 1 : 0;
+    origin.kind = recursive != nullptr && recursive->is("true") ? ModelOrigin::Kind::recursive_mutex
+                                                                : ModelOrigin::Kind::built_in;
+  }
+
+  void declare_condition(ModelOrigin& origin, const TreeNode& use) const {
+    check_options("condition", {"mutex"});
+    origin.kind = ModelOrigin::Kind::condition;
+    origin.of_condition = find(options_, "mutex");
+    if (origin.of_condition == nullptr) {
+      file_.tree().fail("a condition needs 'with: {mutex: NAME}'", use);
+    }
+  }
+
   // What connections of ROS 2 and DDS are set up with.
   static bool is_of_middleware(const std::string& option) {
     const std::string_view name = std::string_view(option).substr(

@@ -40,6 +40,10 @@ ModelReference EventResolver::model(const syntax::Term& term) const {
   for_each_member(model, [&](std::uint32_t member) {
     if (!model.is_topic) {
       work_.names.insert(member);
+      const auto condition = context().names.conditions.find(member);
+      if (condition != context().names.conditions.end()) {
+        work_.names.insert(condition->second.mutex);
+      }
       return;
     }
     for (const Topic::Reader& reader : context().names.topics[member].readers) {
@@ -89,6 +93,14 @@ const Service* EventResolver::service_of(const ModelReference& model) const {
   if (model.is_topic) return nullptr;
   const auto place = context().names.services.find(model.leaf.index);
   return place == context().names.services.end() ? nullptr : &place->second;
+}
+
+bool EventResolver::is_condition(const ModelReference& model) const {
+  bool is_it = !model.is_topic;
+  for_each_member(model, [&](std::uint32_t member) {
+    is_it = is_it && context().names.conditions.contains(member);
+  });
+  return is_it;
 }
 
 bool EventResolver::is_server(const ModelReference& model) const {

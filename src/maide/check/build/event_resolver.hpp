@@ -55,6 +55,7 @@ class EventResolver {
   const ModelInstance& instance(const ModelReference& model) const;
   // Of a service, by its members that the program or node stands at; null: it is none.
   const Service* service_of(const ModelReference& model) const;
+  bool is_condition(const ModelReference& model) const;
   // The program or node is the server of that service; of each that it may be.
   bool is_server(const ModelReference& model) const;
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "maide/check/rules/locks.hpp"
 #include "maide/check/rules/model_ends.hpp"
 #include "maide/check/text/tokens.hpp"
 #include "maide/formats/model_file.hpp"
@@ -128,6 +129,13 @@ class ModelFinder {
         return;
       case ModelOrigin::Kind::built_in:
         model.automaton = origin.built_in->make(origin.count);
+        break;
+      case ModelOrigin::Kind::recursive_mutex:
+        model.automaton =
+            make_recursive_mutex(file_.names.holders.at(number).size(), origin.count != 0);
+        break;
+      case ModelOrigin::Kind::condition:
+        model.automaton = make_condition(file_.names.conditions.at(number).waiters.size());
         break;
       case ModelOrigin::Kind::queue:
         models_.queues.emplace(number, QueueModel{origin.size, {}});

@@ -75,6 +75,9 @@ Json origin_of(const Declarations& file, std::size_t number) {
     case ModelOrigin::Kind::built_in:
       if (origin.built_in->option.empty()) return {{"use", origin.built_in->name}};
       return {{"use", origin.built_in->name}, {origin.built_in->option, origin.count}};
+    case ModelOrigin::Kind::recursive_mutex: return {{"use", "mutex"}, {"recursive", true}};
+    case ModelOrigin::Kind::condition:
+      return {{"use", "condition"}, {"mutex", origin.of_condition->text()}};
     case ModelOrigin::Kind::queue:
       if (origin.size.is_unknown) return {{"use", "queue"}, {"depth", "unknown"}};
       return {{"use", "queue"}, {origin.size.drops_oldest ? "depth" : "size", origin.size.size}};

@@ -161,6 +161,7 @@ class FlowWalker final : public Walker {
       case Kind::withdraw:
       case Kind::run:
       case Kind::join:
+      case Kind::relock:
       case Kind::arrival: settle(next, values); break;
       default: expand_rendezvous(number, place, statement, values); break;
     }

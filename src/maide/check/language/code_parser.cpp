@@ -386,6 +386,12 @@ class CodeParser {
     statement.model = std::move(name);
     parse_event_of(statement);
     if (tokens_.accept("->")) statement.arms.push_back(parse_awaited(statement.model));
+    if (statement.arms.empty() && tokens_.peek().is("timeout")) {
+      const TextPlace place = tokens_.place(tokens_.peek());
+      statement.select_arms.push_back(parse_select_arm());
+      statement.select_arms.back().place = place;
+      return;
+    }
     expect_semicolon();
   }
 

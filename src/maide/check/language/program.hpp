@@ -68,7 +68,8 @@ struct CombinedStep {
     // A message arrives, by itself, and with it the call ends in which the program stands: who
     // waits for it is the program, and who does it is nobody.
     arrival,
-    loss,  // so is it if the message is lost: no progress
+    loss,       // so is it if the message is lost: no progress
+    causeless,  // who waits at a condition wakes by himself: no progress
   };
   Role role = Role::step;
   std::vector<ModelUse> uses;    // all at once, each of another model; none is choice or combined
@@ -209,8 +210,9 @@ struct Program {
   }
   // A step by it counts for deadlocks, and fairness asks for it.
   bool is_progress(const ProgramEdge& edge) const {
-    return flags.counts_for_deadlock && !is_death(edge) &&
-           role_of(edge) != CombinedStep::Role::loss;
+    const CombinedStep::Role role = role_of(edge);
+    return flags.counts_for_deadlock && !is_death(edge) && role != CombinedStep::Role::loss &&
+           role != CombinedStep::Role::causeless;
   }
   // It happens by itself: the program waits for it in a call.
   bool is_by_itself(const ProgramEdge& edge) const {

@@ -101,10 +101,20 @@ struct Thread {
 };
 
 struct SelectArm {
-  enum class Kind : std::uint8_t { input, output, arrival, guard, otherwise, timeout, service };
+  enum class Kind : std::uint8_t {
+    input,
+    output,
+    arrival,
+    guard,
+    otherwise,
+    timeout,
+    service,
+    wake,           // at the condition `model`: it was notified, and has its mutex again
+    wake_causeless  // it was not notified
+  };
   Kind kind = Kind::guard;
   std::optional<Expression> guard;
-  ModelReference model;         // of an input, an output or an arrival
+  ModelReference model;         // of an input, an output, an arrival, or of waking
   Event event;                  // so
   std::vector<Arm> arms;        // of an input: the outputs that may follow at once; else empty
   std::unique_ptr<Block> body;  // unless there are arms
@@ -143,6 +153,7 @@ struct Statement {
     withdraw,      // the service `model`
     run,           // a copy of the thread whose copies are `copies`
     join,          // until all of them are ended
+    relock,        // takes the mutex of the condition `model` again
   };
   Kind kind = Kind::skip;
   int line = 0, column = 0;

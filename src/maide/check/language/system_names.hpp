@@ -187,6 +187,12 @@ struct Wire {
   std::vector<std::uint32_t> callers;
 };
 
+// A condition: the mutex that it gives back, and the programs that may wait, in order.
+struct ConditionVariable {
+  std::uint32_t mutex = 0;
+  std::vector<std::uint32_t> waiters;
+};
+
 struct VariableName {
   Expression leaf;  // without indices
   ValueType type;
@@ -220,6 +226,9 @@ struct Names {
   std::map<std::string, Procedure> procedures;
   std::set<std::string> nodes;
   std::map<std::string, std::uint32_t> threads;  // models of their copies, by "robot.work"
+  // Of mutexes that know who holds them, by model: the programs that use it, in order.
+  std::map<std::uint32_t, std::vector<std::uint32_t>> holders;
+  std::map<std::uint32_t, ConditionVariable> conditions;  // by model
   // What code asks that says `unknown`: models that know nothing.
   std::map<std::string, std::uint32_t> unknown_callbacks;
   std::map<std::uint32_t, std::uint32_t> unknown_programs;

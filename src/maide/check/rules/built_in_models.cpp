@@ -14,10 +14,17 @@ Action output(Symbol symbol) { return {Action::Kind::output, symbol}; }
 
 }  // namespace
 
-InterfaceAutomaton make_mutex() {
-  InterfaceAutomaton mutex({"lock", "unlock"}, {}, 2);
+InterfaceAutomaton make_mutex(bool has_trylock) {
+  InterfaceAutomaton mutex =
+      has_trylock ? InterfaceAutomaton({"lock", "unlock", "trylock"}, {"yes", "no"}, 4)
+                  : InterfaceAutomaton({"lock", "unlock"}, {}, 2);
   mutex.add_transition(0, input(0), 1);
   mutex.add_transition(1, input(1), 0);
+  if (!has_trylock) return mutex;
+  for (const StateId at : {0, 1}) {
+    mutex.add_transition(at, input(2), 2 + at);
+    mutex.add_transition(2 + at, output(at), 1);
+  }
   return mutex;
 }
 
@@ -33,7 +40,7 @@ InterfaceAutomaton make_semaphore(std::uint32_t count) {
 
 std::span<const BuiltInModel> built_in_models() {
   static constexpr BuiltInModel rows[] = {
-      {"mutex", "", [](std::uint32_t) { return make_mutex(); }},
+      {"mutex", "", [](std::uint32_t tries) { return make_mutex(tries != 0); }},
       {"semaphore", "count", make_semaphore},
   };
   return rows;

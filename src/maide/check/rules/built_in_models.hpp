@@ -15,15 +15,15 @@
 
 namespace maide {
 
-// `lock`, possible when nobody holds it; `unlock`, by anybody, possible when somebody does. 2
-// states.
-InterfaceAutomaton make_mutex();
+// `lock`, possible when nobody holds it; `unlock`, by anybody, possible when somebody does; perhaps
+// `trylock`, which brings `yes` and locks, or `no`. 2 states, and 2 before the answers.
+InterfaceAutomaton make_mutex(bool has_trylock = false);
 
 // `acquire` while something is there, at first `count`; `release` up to `count`. count + 1 states.
 InterfaceAutomaton make_semaphore(std::uint32_t count);
 
 // What a system file may write behind `use:`, one row each; queues, whose contents programs decide,
-// are apart.
+// are apart, and so is what knows who uses it (locks.hpp).
 struct BuiltInModel {
   std::string_view name;
   std::string_view option;  // under `with`, from 1; empty: it has none

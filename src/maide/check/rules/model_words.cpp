@@ -40,10 +40,13 @@ std::string describe_bound(const ModelInstance& model) {
 std::string describe_built_in(const ModelInstance& model) {
   const InterfaceAutomaton& automaton = model.automaton;
   if (const BuiltInModel* const known = find_built_in(model.origin)) {
-    if (known->option.empty()) return fmt::format("a {}", known->name);
+    const bool is_held = automaton.size() > 4;  // who holds it makes a difference
+    if (known->option.empty())
+      return fmt::format("a {}{}", is_held ? "recursive " : "", known->name);
     return fmt::format("a {} of {} {}", known->name, known->option,
                        automaton.origin.at(std::string(known->option)));
   }
+  if (model.origin == "condition") return "a condition";
   if (has_unknown_depth(automaton)) return "a queue of unknown depth";
   for (const std::string kind : {"size", "depth"}) {
     const auto number = automaton.origin.find(kind);
@@ -258,6 +261,16 @@ std::string describe_error(const System& system, const GlobalState& state) {
     return fmt::format("{}: {} ({})", program.name, error.text, to_string(error.position));
   }
   return "";
+}
+
+std::vector<ProgramEdge> awaited_at(const Program& program, ControlState control) {
+  std::vector<ProgramEdge> awaited;
+  for (const ProgramEdge& edge : program.edges_of(control)) {
+    if (program.is_progress(edge)) awaited.push_back(edge);
+  }
+  const auto is_error = [&](const ProgramEdge& edge) { return program.is_error(edge.target); };
+  if (!std::ranges::all_of(awaited, is_error)) std::erase_if(awaited, is_error);
+  return awaited;
 }
 
 std::string describe_waiting(const System& system, const Program& program,

@@ -49,6 +49,9 @@ std::string describe_edge(const System& system, const Program& program, const Pr
 // (system.yaml:7:3)"; "" if it is at none.
 std::string describe_error(const System& system, const GlobalState& state);
 
+// What the program waits for in that control state: steps that are progress, and of these no error,
+// unless there is nothing else.
+std::vector<ProgramEdge> awaited_at(const Program& program, ControlState control);
 // What the program waits for with these steps, of which one is no plain input or output, and by
 // these guards, which do not hold: "waits at line 6 in a select for q.read -> message or n == 1".
 std::string describe_waiting(const System& system, const Program& program,

@@ -19,9 +19,11 @@ constexpr Key keys[] = {
     {"models/*", "model", "", "", "one of `file`, `learn` and `use`, and what belongs to it", map},
     {"models/*/file", "", "", "", "a model file, beside the system file", text},
     {"models/*/learn", "", "", "", "a system to be learned, as in `maide learn`", text},
-    {"models/*/use", "", "mutex|semaphore|queue", "", "a built-in model", word},
+    {"models/*/use", "", "mutex|semaphore|condition|queue", "", "a built-in model", word},
     {"models/*/with", "", "", "",
-     "options of the system; of a semaphore `count`, of a queue `size` or `depth`", options},
+     "options of the system; of a mutex `recursive`, of a condition `mutex`, of a "
+     "semaphore `count`, of a queue `size` or `depth`",
+     options},
     {"models/*/learning", "", "", "", "how it is learned: options of `maide learn`", options},
     {"models/*/when_unexplored", "", "stop|wait|drop", "stop",
      "what an input does that was never tried", word},

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "maide/check/unroll/lock_steps.hpp"
 #include "maide/check/unroll/service_steps.hpp"
 #include "maide/check/unroll/topic_steps.hpp"
 #include "maide/check/unroll/walker.hpp"
@@ -27,7 +28,8 @@ class EdgeWriter : public Walker {
              const RunControl& control)
       : Walker(tree, program, actions, names, control),
         topics_(number_, actions, names),
-        services_(number_, actions, names) {}
+        services_(number_, actions, names),
+        locks_(number_, actions, names) {}
 
  protected:
   void add_edge(const ModelUse& use, ControlState target, int line, int column);
@@ -52,6 +54,7 @@ class EdgeWriter : public Walker {
 
   TopicSteps topics_;
   ServiceSteps services_;
+  LockSteps locks_;
   std::uint32_t origin_ = 0;  // of the statement that is expanded
 
  private:

@@ -18,8 +18,16 @@ void SelectSteps::expand_select(const Place& place, const Statement& statement,
       expand_otherwise(place, statement, arm, values);
       continue;
     }
+    if (arm.kind == SelectArm::Kind::wake_causeless) {
+      expand_waking(place, arm, values, 0);
+      continue;
+    }
     const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
     const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of_arm(arm));
+    if (arm.kind == SelectArm::Kind::wake) {
+      expand_waking(place, arm, values, fair);
+      continue;
+    }
     Uses start = arm.starts != nullptr ? arm.starts->start : Uses{};
     if (arm.due) {
       const std::vector<bool> is_due{false, true};
@@ -49,8 +57,25 @@ std::string SelectSteps::text_of_arm(const SelectArm& arm) {
     case SelectArm::Kind::input: return arm.model.name() + "." + arm.event.name;
     case SelectArm::Kind::output:
     case SelectArm::Kind::arrival: return arm.model.name() + "!" + arm.event.name;
+    case SelectArm::Kind::wake: return arm.model.name() + ".wait";
     default: return "when";
   }
+}
+
+void SelectSteps::expand_waking(const Place& place, const SelectArm& arm, const Values& values,
+                                std::uint32_t fair) {
+  const bool is_causeless = arm.kind == SelectArm::Kind::wake_causeless;
+  const std::uint32_t condition = model_of(arm.model, values);
+  const auto [lock, event] = locks_.relock(condition);
+  const ModelUse wake =
+      locks_.wake(condition, is_causeless ? WaiterStep::wake_causeless : WaiterStep::wake);
+  add_combined({is_causeless ? CombinedStep::Role::causeless : CombinedStep::Role::step,
+                {wake, lock},
+                {event},
+                is_causeless ? "wakes without a notification"
+                             : "a notification of " + actions_.model(condition).name,
+                fair},
+               settle(behind(place.frame), values), arm.line, arm.column);
 }
 
 void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
@@ -125,7 +150,9 @@ void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Val
   const std::vector<const Arm*> taken = arms_of(model, arm.arms, values);
   bool has_arm = arm.arms.empty();
   for (const InputWay& way : ways_of(arm, model, input)) {
-    if (way.is_beyond) {
+    if (!way.error.empty()) {
+      add(way.uses, {}, way.error, error_state(way.error, arm.line, arm.column));
+    } else if (way.is_beyond) {
       add(way.uses, {given}, text, control_state(place));
     } else if (!way.output) {
       add(way.uses, {given}, text, settle(enter(*arm.body, next), values));
@@ -182,6 +209,7 @@ std::vector<SelectSteps::InputWay> SelectSteps::ways_of(const SelectArm& arm, st
     }
     return ways;
   }
+  if (names_.holders.contains(model)) return ways_to_lock(arm, model, input);
   const auto behind_own = when_own_arrived(model, input, arm.callback);
   const auto with_own = [&] {
     for (InputWay& way : ways) {
@@ -202,6 +230,21 @@ std::vector<SelectSteps::InputWay> SelectSteps::ways_of(const SelectArm& arm, st
     add(actions_.beyond(model, input), std::nullopt, true);
   }
   return with_own();
+}
+
+std::vector<SelectSteps::InputWay> SelectSteps::ways_to_lock(const SelectArm& arm,
+                                                             std::uint32_t model, Symbol input) {
+  std::vector<InputWay> ways;
+  const std::size_t answers = actions_.model(model).automaton.outputs().size();
+  for (Symbol answer = 0; !arm.body && answer < answers; ++answer) {
+    if (const auto given = locks_.given(model, input, answer)) {
+      ways.push_back({{*given}, answer, false});
+    }
+  }
+  if (arm.body) ways.push_back({{*locks_.given(model, input)}, std::nullopt, false});
+  const auto error = locks_.error_of(model, input);
+  ways.push_back({{error->where}, std::nullopt, false, error->text});
+  return ways;
 }
 
 void SelectSteps::expand_otherwise(const Place& place, const Statement& statement,
@@ -240,6 +283,9 @@ void SelectSteps::expand_otherwise(const Place& place, const Statement& statemen
 Uses SelectSteps::overdue_in(const Statement& statement, const Values& values) {
   Uses overdue;
   for (const SelectArm& arm : statement.select_arms) {
+    if (arm.kind == SelectArm::Kind::wake) {
+      overdue.push_back(locks_.wake(model_of(arm.model, values), WaiterStep::wake_causeless));
+    }
     const bool is_input = arm.kind == SelectArm::Kind::input && !arm.model.is_topic;
     if (!is_input || arm.callback != nullptr) continue;
     try {
@@ -268,6 +314,7 @@ std::vector<Uses> SelectSteps::idle_uses(const Statement& statement,
       continue;
     }
     if (guards[i] < 0 || arm.kind == SelectArm::Kind::guard) return {};
+    if (arm.kind == SelectArm::Kind::wake_causeless) continue;
     try {
       if (arm.kind == SelectArm::Kind::arrival) {
         check_arm(arm, values);
@@ -283,6 +330,10 @@ std::vector<Uses> SelectSteps::idle_uses(const Statement& statement,
         continue;
       }
       const std::uint32_t model = model_of(arm.model, values);
+      if (arm.kind == SelectArm::Kind::wake) {
+        by_model[model].push_back(locks_.wake(model, WaiterStep::wake));
+        continue;
+      }
       if (names_.services.contains(model)) {
         const ServiceSteps::Arm way = services_.arm(arm, model, at(arm.line, arm.column));
         ServiceModel& rules = *names_.services.at(model).rules;

@@ -25,6 +25,7 @@ class SelectSteps : public EdgeWriter {
     Uses uses;                     // the first is of the model
     std::optional<Symbol> output;  // that is taken, too
     bool is_beyond = false;        // the input was never tried there
+    std::string error{};           // where it is one
   };
   std::vector<InputWay> ways_of(const SelectArm& arm, std::uint32_t model, Symbol input);
 
@@ -37,12 +38,17 @@ class SelectSteps : public EdgeWriter {
   // an output due.
   void expand_otherwise(const Place& place, const Statement& statement, const SelectArm& waiting,
                         const Values& values);
-  // What its time-out does: a program's requests that its arms wait for are overdue.
+  // What its time-out does: a program's requests that its arms wait for are overdue, and who waits
+  // at a condition does so no more.
   Uses overdue_in(const Statement& statement, const Values& values);
   // Each is one way in which that can be. None: some arm can be taken whatever the models do.
   std::vector<Uses> idle_uses(const Statement& statement, const std::vector<std::int8_t>& guards,
                               const Values& values);
   static TopicSteps::WriteKind kind_of(const SelectArm& arm);
+  // Of a mutex that knows its holder.
+  std::vector<InputWay> ways_to_lock(const SelectArm& arm, std::uint32_t model, Symbol input);
+  void expand_waking(const Place& place, const SelectArm& arm, const Values& values,
+                     std::uint32_t fair);
   // The steps of an arm that writes to a topic, or takes what was written.
   template <typename Add>
   void expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,

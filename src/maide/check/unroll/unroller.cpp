@@ -81,6 +81,7 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::arrival: expand_arrival(place, statement, values); break;
     case Kind::withdraw: expand_withdraw(place, statement, values); break;
     case Kind::run: expand_run(place, statement, values); break;
+    case Kind::relock: expand_relock(place, statement, values); break;
     case Kind::join: {
       const Symbol join = input_of_copy(CopyInput::join);
       add_combined({CombinedStep::Role::step,
@@ -265,11 +266,52 @@ void Unroller::expand_run(const Place& place, const Statement& statement, const 
                statement.column);
 }
 
+// ---- locks --------------------------------------------------------------------------------------
+
+void Unroller::expand_lock(const Place& place, const Statement& statement, const Values& values,
+                           std::uint32_t model, const ModelUse& given) {
+  const Symbol input = input_of(model, statement.input, values);
+  add_combined({CombinedStep::Role::step,
+                {given},
+                {{ModelUse::Kind::give, model, input}},
+                actions_.model(model).name + "." + statement.input.name,
+                0},
+               behind_input(place, statement, values), statement.line, statement.column);
+  const auto error = locks_.error_of(model, input);
+  add_combined({CombinedStep::Role::step, {error->where}, {}, error->text, 0},
+               error_state(error->text, statement.line, statement.column), statement.line,
+               statement.column);
+}
+
+void Unroller::expand_wait(const Place& place, const Statement& statement, const Values& values,
+                           std::uint32_t condition) {
+  auto [uses, events] = locks_.wait(condition);
+  add_combined({CombinedStep::Role::step, std::move(uses), std::move(events),
+                actions_.model(condition).name + ".wait", 0},
+               settle(behind(place.frame), values), statement.line, statement.column);
+  const LockSteps::Error error = locks_.error_of_wait(condition);
+  add_combined({CombinedStep::Role::step, {error.where}, {}, error.text, 0},
+               error_state(error.text, statement.line, statement.column), statement.line,
+               statement.column);
+}
+
+void Unroller::expand_relock(const Place& place, const Statement& statement, const Values& values) {
+  const auto [use, event] = locks_.relock(model_of(statement.model, values));
+  add_combined({CombinedStep::Role::step, {use}, {event}, "takes the mutex again", 0},
+               settle(behind(place.frame), values), statement.line, statement.column);
+}
+
 // ---- inputs and outputs -------------------------------------------------------------------------
 
 void Unroller::expand_input(const Place& place, const Statement& statement, const Values& values,
                             std::uint32_t model) {
+  if (locks_.is_condition(model) && statement.input.name == "wait") {
+    return expand_wait(place, statement, values, model);
+  }
   const Symbol input = input_of(model, statement.input, values);
+  if (const auto given = locks_.given(model, input)) {
+    return expand_lock(place, statement, values, model, *given);
+  }
   const ControlState target = behind_input(place, statement, values);
   if (const Topic* topic = written_topic(statement.model, statement.input.name, values)) {
     const std::string name = name_of(statement.input, values);

@@ -45,6 +45,11 @@ class Unroller : public LookSteps {
   void expand_rendezvous(const Place& place, const Statement& statement, const Values& values);
   void expand_input(const Place& place, const Statement& statement, const Values& values,
                     std::uint32_t model);
+  // A mutex that knows its holder, or the beginning of a wait at a condition.
+  void expand_lock(const Place& place, const Statement& statement, const Values& values,
+                   std::uint32_t model, const ModelUse& given);
+  void expand_wait(const Place& place, const Statement& statement, const Values& values,
+                   std::uint32_t condition);
   void expand_service(const Place& place, const Statement& statement, const Values& values,
                       std::uint32_t model);
   // Where the program waits for the return of what it gave there.
@@ -57,6 +62,7 @@ class Unroller : public LookSteps {
   void expand_end(const Place& place, const Statement& statement, const Values& values);
   void expand_withdraw(const Place& place, const Statement& statement, const Values& values);
   void expand_run(const Place& place, const Statement& statement, const Values& values);
+  void expand_relock(const Place& place, const Statement& statement, const Values& values);
   // "robot.work" of a `run` or `join`.
   std::string thread_of(const Statement& statement) const;
 

@@ -42,6 +42,7 @@ bool steps(const Statement& statement) {
     case Kind::withdraw:
     case Kind::run:
     case Kind::join:
+    case Kind::relock:
     case Kind::atomic: return true;
     case Kind::assign: return is_shared(statement.target) || reads_shared(*statement.expression);
     case Kind::when:

@@ -27,7 +27,7 @@ constexpr std::size_t most_selects = 64;  // of one search: bits of a word
 constexpr unsigned number_bits = 32;      // of a state, in the table
 
 bool is_arm(const Program& program, const ProgramEdge& edge) {
-  return program.role_of(edge) != Role::timeout && !program.is_death(edge);
+  return program.role_of(edge) != Role::timeout && program.is_progress(edge);
 }
 
 // The selects that are looked at, and where programs stand at them.
@@ -148,7 +148,7 @@ class LoneSearch {
                          [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t) {
                            const bool is_other = bit != 0 && is_arm(program, program.edges[edge]);
                            if (is_cut) root.arms = ~std::uint64_t{0};
-                           if (bit != 0 && !program.is_death(program.edges[edge])) {
+                           if (bit != 0 && program.is_progress(program.edges[edge])) {
                              (is_other ? root.arms : root.time_outs) |= bit;
                            }
                            if (!is_cut) open_.push_back(next);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/rules/model_words.hpp"
 
 namespace maide {
 namespace {
@@ -77,9 +78,7 @@ class WaitingFinder {
                 std::size_t at, std::uint32_t program)
       : system_(system), trace_(trace), states_(states), at_(at), state_(states[at]) {
     waiting_.program = program;
-    const auto edges = own().edges_of(state_.programs[program]);
-    std::ranges::copy_if(edges, std::back_inserter(waiting_.awaited),
-                         [&](const ProgramEdge& edge) { return !own().is_death(edge); });
+    waiting_.awaited = awaited_at(own(), state_.programs[program]);
     const auto& awaited = waiting_.awaited;
     const bool is_plain = std::ranges::all_of(awaited, [&](const auto& edge) {
       return (edge.kind == Kind::give || edge.kind == Kind::take || edge.kind == Kind::quiet) &&
@@ -374,7 +373,7 @@ class WaitingFinder {
       const auto [state, way] = open.back();
       open.pop_back();
       for (const ProgramEdge& edge : program.edges_of(state)) {
-        if (program.is_death(edge)) continue;
+        if (!program.is_progress(edge)) continue;
         const bool is_it = is_awaited_step(edge);
         if (is_it && way == behind) return false;
         const bool leaves = number(state) != number(edge.target);

@@ -69,8 +69,8 @@ class WayFinder {
   std::vector<WayOut> run() {
     const ControlState at = state_.programs[waiting_];
     std::map<std::pair<int, int>, WayOut> ways;  // by the place of the arm
-    for (const ProgramEdge& edge : own_.edges_of(at)) {
-      if (!own_.is_death(edge)) ways[{edge.line, edge.column}].edges.push_back(edge);
+    for (const ProgramEdge& edge : awaited_at(own_, at)) {
+      ways[{edge.line, edge.column}].edges.push_back(edge);
     }
     for (const Program::Guard& guard : closed_guards(own_, at)) {
       ways[{guard.line, guard.column}].guard = guard;
@@ -111,7 +111,7 @@ class WayFinder {
       for (const ModelUse& use : own_.uses_of(edge)) {
         if (!is_possible_at(system_.models[use.model], state_.models[use.model], use)) {
           needs[use.model].insert(use);
-          if (use.kind == Kind::give) way.refused.push_back(use);
+          add_refused(way, edge, use);
         }
       }
     }
@@ -121,6 +121,15 @@ class WayFinder {
     }
     for (std::uint32_t index = 0; index < system_.programs.size(); ++index) {
       add_users(way, index, enabling);
+    }
+  }
+
+  // An input, or what a step does with a model that is written by hand, by its event.
+  void add_refused(WayOut& way, const ProgramEdge& edge, const ModelUse& use) const {
+    if (use.kind == Kind::give) return way.refused.push_back(use);
+    if (system_.models[use.model].source != ModelInstance::Source::built_in) return;
+    for (const ModelUse& event : own_.events_of(edge)) {
+      if (event.kind == Kind::give && event.model == use.model) way.refused.push_back(event);
     }
   }
 
@@ -231,7 +240,7 @@ class WayFinder {
     std::set<std::optional<std::uint32_t>> helping;
     for (ControlState at = 0; at < program.states.size(); ++at) {
       for (const ProgramEdge& edge : program.edges_of(at)) {
-        if (program.is_death(edge) || !helps(edge)) continue;
+        if (!program.is_progress(edge) || !helps(edge)) continue;
         const auto started = started_by(program, edge);
         helping.insert(started ? started : callbacks[at]);
       }
