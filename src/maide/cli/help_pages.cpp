@@ -167,14 +167,14 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
     when (e) { }  otherwise { }  timeout MS { }  a condition; if all else waits
   S.send;  S.receive -> answer;  wait S -> there;  a client; a callback: wait S
   S.serve -> request;  S.answer;  offer S;  withdraw S;   a service's server
-  idle STATEMENT                          may wait there for ever
-  if (e) { } else if (e) { } else { }     by values
+  if (e) { } else if (e) { } else { }     by values;  idle STATEMENT rests
   if * { } else { }  if fair * { }  x = any e..e;  x = any fair e..e;   choices
   loop { }  while (e) { }  repeat e { }  for k in e..e { }  break;  continue;
   var x: 0..3 = 1;  var ok: bool;  var m: {idle, busy};  var a[k in 0..9]: bool;
   x = e;  a[e] = e;                       no step, unless a variable is shared
   atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
   call p(ARGUMENTS);  return;  stop;  skip;  unknown;  run THREAD;  join THREAD;
+  spin;  spin once|some|all;  spin until S -> answer;   in an executor's `main`
 Values:       M.write(e);  M.read -> message(x) sets x, message(var x) declares
               it, message(3) takes that one alone, message takes any.
 Expressions:  + - * / %   < <= > >= == !=   ! && ||   ( )   true false WORD

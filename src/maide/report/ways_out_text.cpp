@@ -90,12 +90,14 @@ class WaysOutText {
       case Obstacle::passed: return "never comes there again";
       case Obstacle::not_started: return "has nothing to start for";
       case Obstacle::own_thread:
+        if (helper.holders.empty()) return "would run on the thread that waits";
         return fmt::format("finds no idle thread: {} runs {}, which waits",
                            the_thread_of(*helper.callback), names_of(helper.holders));
       case Obstacle::own_group:
         return fmt::format("is in {}, which {} has while it waits", group_of(*helper.callback),
                            names_of(helper.holders));
       case Obstacle::busy:
+        if (helper.holders.empty()) return "does not start: nothing spins its executor now";
         if (executor_of(*helper.callback).threads > 1) {
           return fmt::format("is in {}, which {} has", group_of(*helper.callback),
                              names_of(helper.holders));

@@ -242,6 +242,7 @@ class ReplayedNodes::Describer {
       case CallbackInstance::Kind::service: json["service"] = services_.at(callback.model); break;
       case CallbackInstance::Kind::client: json["client"] = services_.at(callback.model); break;
       case CallbackInstance::Kind::start:
+      case CallbackInstance::Kind::main:
       case CallbackInstance::Kind::thread:
         throw UsageError(
             fmt::format("{}: nodes with a start or threads of their own are not replayed yet ({})",

@@ -175,6 +175,9 @@ TEST(Locks, SlipsAreNamedWithTheirPlace) {
                      "select { on cv.wait { } }"),
             "the `wait` of a condition stands alone: it gives its mutex back, and waits "
             "(s.yaml:2:31)");
+  EXPECT_EQ(error_of("m: {use: mutex}, cv: {use: condition, with: {mutex: m}}",
+                     "switch cv.wait { quiet { } }"),
+            "the `wait` of a condition brings nothing: write `cv.wait;` (s.yaml:2:26)");
   EXPECT_EQ(error_of("m: {use: mutex}", "m.lock timeout 5 { }"),
             "'timeout' stands behind the `wait` of a condition, or in a 'select' (s.yaml:2:23)");
 }

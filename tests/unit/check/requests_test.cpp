@@ -56,6 +56,9 @@ const test::VerdictCase request_systems[] = {
      asked("ask.send; select { on ask.receive -> answer { } otherwise { ask.send; " + receive +
                receive + " } } @got skip;",
            answers)},
+    // The last answer is there, and the oldest is not: the time-out comes.
+    {"last_is_there", "deadlock", H,
+     asked("ask.send; ask.send; select { on ask.receive -> answer { } timeout 9 { } }", loses_one)},
     // In the order in which they were sent.
     {"in_order", "deadlock", H, asked("ask.send; ask.send; " + receive + receive, answers_twice)},
     {"in_order", "one_served", H, asked("ask.send; ask.send; " + receive + "@got skip;", always)},

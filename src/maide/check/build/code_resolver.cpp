@@ -17,6 +17,7 @@ constexpr int max_nesting = 200;                 // of blocks and calls: the res
 constexpr std::size_t max_statements = 200'000;  // with procedures in their places
 constexpr std::size_t max_looked_at = 12;  // a look is a step for each set of what it may find
 constexpr std::ptrdiff_t max_timers = 8;   // each set of them that is due is fair by itself
+constexpr Value max_counted = 100;         // callbacks of one spin
 
 bool is_same(const Expression& one, const Expression& other) {
   return one.op == other.op && one.index == other.index && one.value == other.value &&
@@ -200,6 +201,7 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
     case From::withdraw: resolve_offer(from, to); break;
     case From::run:
     case From::join: resolve_run(from, to); break;
+    case From::spin: resolve_spin(from, to); break;
     case From::unknown: {
       const Context& known = *work_.context;
       to.kind = To::give;
@@ -290,6 +292,10 @@ void CodeResolver::resolve_wait(const syntax::Statement& from, Statement& to) {
 }
 
 void CodeResolver::resolve_condition_wait(const syntax::Statement& from, Statement& to) {
+  if (!from.arms.empty()) {
+    names_.fail("the `wait` of a condition brings nothing: write `" + to.model.name() + ".wait;`",
+                from.event.name.place);
+  }
   to.input = events_.input(to.model, from.event);
   const auto begin = [&](Statement::Kind kind) {
     Statement made;
@@ -559,49 +565,150 @@ void CodeResolver::resolve_thread(const Thread& thread) {
   Block& block = work_.tree.statements;
   work_.scopes.push_back({{}, &block, false});
   names_.declare_own();
-  Statement starts;
-  starts.kind = thread.goes_by_rounds ? Statement::Kind::rounds : Statement::Kind::select;
-  starts.is_idle = true;
-  starts.line = work_.position.line;
-  starts.column = work_.position.column;
-  if (thread.goes_by_rounds) {
-    if (thread.callbacks.size() > max_looked_at) {
-      throw ParseError("with 'order: rounds' an executor runs at most " +
-                           std::to_string(max_looked_at) + " callbacks",
-                       work_.position);
-    }
-    const auto timers = std::count_if(
-        thread.callbacks.begin(), thread.callbacks.end(),
-        [](const Callback& callback) { return callback.kind == Callback::Kind::timer; });
-    if (timers > max_timers) {
-      throw ParseError(
-          "with 'order: rounds' an executor has at most " + std::to_string(max_timers) + " timers",
-          work_.position);
-    }
-    starts.type.high = (Value{1} << thread.callbacks.size()) - 1;
-    starts.target.op = Expression::Operator::local;
-    starts.target.index = static_cast<std::uint32_t>(work_.tree.slots.size());
-    starts.target.name = "look";
-    work_.tree.slots.push_back({"look", starts.type, work_.position});
-    work_.tree.initial.emplace_back(0);
-  }
+  work_.thread = &thread;
   for (const Callback& callback : thread.starts) resolve_node_start(callback, block);
-  for (const Callback& callback : thread.callbacks) {
-    starts.select_arms.push_back(resolve_start(callback));
-    for (const ModelUse& use : callback.start) work_.names.insert(use.model);
+  if (thread.main) {
+    resolve_node_start(*thread.main, block);
+  } else if (!thread.callbacks.empty()) {
+    block.statements.push_back(
+        make_spinning(thread.all(), work_.position.line, work_.position.column));
   }
-  if (thread.callbacks.empty()) {
-    work_.scopes.pop_back();
-    return;
+  work_.scopes.pop_back();
+}
+
+Expression CodeResolver::add_slot(const std::string& name, const ValueType& type,
+                                  const SourcePosition& position) {
+  Expression slot;
+  slot.op = Expression::Operator::local;
+  slot.kind = type.kind;
+  slot.index = static_cast<std::uint32_t>(work_.tree.slots.size());
+  slot.name = name;
+  work_.tree.slots.push_back({name, type, position});
+  work_.tree.initial.emplace_back(0);
+  return slot;
+}
+
+// ---- Spinning -----------------------------------------------------------------------------------
+
+namespace {
+
+// A look has a step for each set of what it may find.
+void check_looks(const std::vector<const Callback*>& callbacks, const std::string& where,
+                 const SourcePosition& position) {
+  if (callbacks.size() > max_looked_at) {
+    throw ParseError(
+        where + " an executor runs at most " + std::to_string(max_looked_at) + " callbacks",
+        position);
+  }
+  const auto timers = std::ranges::count(callbacks, Callback::Kind::timer, &Callback::kind);
+  if (timers > max_timers) {
+    throw ParseError(where + " an executor has at most " + std::to_string(max_timers) + " timers",
+                     position);
+  }
+}
+
+}  // namespace
+
+Statement CodeResolver::make_spinning(const std::vector<const Callback*>& callbacks, int line,
+                                      int column) {
+  Statement starts;
+  starts.kind = work_.thread->goes_by_rounds ? Statement::Kind::rounds : Statement::Kind::select;
+  starts.is_idle = true;
+  starts.line = line;
+  starts.column = column;
+  if (work_.thread->goes_by_rounds) {
+    check_looks(callbacks, "with 'order: rounds'", work_.position);
+    starts.type.high = (Value{1} << callbacks.size()) - 1;
+    starts.target = add_slot("look", starts.type, work_.position);
+  }
+  for (const Callback* const callback : callbacks) {
+    starts.select_arms.push_back(resolve_start(*callback));
+    for (const ModelUse& use : callback->start) work_.names.insert(use.model);
   }
   Statement loop;
   loop.kind = Statement::Kind::loop;
-  loop.line = starts.line;
-  loop.column = starts.column;
+  loop.line = line;
+  loop.column = column;
   loop.body = std::make_unique<Block>();
   loop.body->statements.push_back(std::move(starts));
-  block.statements.push_back(std::move(loop));
-  work_.scopes.pop_back();
+  return loop;
+}
+
+void CodeResolver::resolve_spin(const syntax::Statement& from, Statement& to) {
+  const Callback* const callback = work_.context->callback;
+  if (callback == nullptr) {
+    names_.fail("'spin' stands in 'main' of an executor, or in the code of a node", from.place);
+  }
+  const bool is_main = callback->kind == Callback::Kind::main;
+  if (!from.name.text.empty() && !(is_main && from.name.text == work_.thread->executor)) {
+    names_.fail("'spin' runs the executor of its 'main', and in a 'start' its node alone; '" +
+                    from.name.text + "' from elsewhere is not built",
+                from.name.place);
+  }
+  if (!is_main && callback->kind != Callback::Kind::start) {
+    to.kind = Statement::Kind::refused_spin;
+    return;
+  }
+  std::vector<const Callback*> callbacks = work_.thread->all();
+  if (!is_main) {
+    std::erase_if(callbacks, [&](const Callback* each) { return each->node != callback->node; });
+  }
+  if (from.spin != syntax::Statement::Spin::ever) return resolve_spin_of(callbacks, from, to);
+  std::vector<std::uint32_t> labels = std::move(to.labels);
+  to = make_spinning(callbacks, to.line, to.column);
+  to.labels = std::move(labels);
+}
+
+void CodeResolver::resolve_spin_of(const std::vector<const Callback*>& callbacks,
+                                   const syntax::Statement& from, Statement& to) {
+  using Spin = syntax::Statement::Spin;
+  to.kind = Statement::Kind::spin;
+  to.spin = from.spin;
+  to.goes_by_rounds = work_.thread->goes_by_rounds;
+  const bool looks = from.spin == Spin::some || from.spin == Spin::all;
+  if (to.goes_by_rounds && !looks) {
+    names_.fail("with 'order: rounds', 'spin once' and 'spin until' are not built", from.place);
+  }
+  if (from.spin == Spin::until) resolve_until(from, to);
+  if (looks) {
+    const SourcePosition position = names_.position(from.place);
+    check_looks(callbacks, "with 'spin some' and 'spin all'", position);
+    // Before the look 0, behind it 1 and twice what it found.
+    to.type.high = (Value{2} << callbacks.size()) - 1;
+    to.target = add_slot("look", to.type, position);
+    to.upper = make_constant(0, ValueKind::integer);
+    if (from.expression) {
+      to.upper = make_constant(names_.constant(*from.expression, "how many callbacks 'spin' runs"),
+                               ValueKind::integer);
+      if (to.upper.value < 1 || to.upper.value > max_counted) {
+        names_.fail("'spin' runs from 1 to " + std::to_string(max_counted) + " callbacks",
+                    from.expression->begin);
+      }
+      ValueType count;
+      count.high = to.upper.value;
+      to.counter = add_slot("count", count, position).index;
+    }
+  }
+  for (const Callback* const callback : callbacks) {
+    if (looks && callback->goes_by_clock) {
+      names_.fail("'spin some' and 'spin all' do not go with a clock yet: that is not built",
+                  from.place);
+    }
+    to.select_arms.push_back(resolve_start(*callback));
+    for (const ModelUse& use : callback->start) work_.names.insert(use.model);
+  }
+  for (const syntax::SelectArm& late : from.select_arms) {
+    to.select_arms.push_back(resolve_select_arm(late));
+  }
+}
+
+void CodeResolver::resolve_until(const syntax::Statement& from, Statement& to) {
+  to.model = events_.model(from.model);
+  const syntax::Arm& arm = from.arms.front();
+  if (events_.service_of(to.model) == nullptr || !arm.output.name.is("answer")) {
+    names_.fail("'spin until' waits for the answer of a service", from.model.place);
+  }
+  to.arms.push_back(resolve_awaited(to.model, arm));
 }
 
 std::unique_ptr<Block> CodeResolver::open_procedure() {
@@ -627,18 +734,23 @@ SelectArm CodeResolver::resolve_start(const Callback& callback) {
   const Context* const around = work_.context;
   Context start = *around, inside = *around;
   start.starts = &callback;
+  start.callback = nullptr;
+  inside.starts = nullptr;
   inside.callback = &callback;
   SelectArm arm;
   arm.starts = &callback;
   arm.line = callback.position.line;
   arm.column = callback.position.column;
+  // It may stand where other code spins, whose variables and calls are not its own.
+  std::vector<std::string> calls = std::exchange(work_.calls, {});
+  std::set<std::uint32_t> asked = std::exchange(work_.asked, {});
   Scope indices;
+  indices.is_barrier = true;
   for (const auto& [name, index] : callback.indices) {
     indices.names[name] = {Binding::Kind::constant, index, {}, false, nullptr};
   }
   work_.scopes.push_back(std::move(indices));
   work_.context = &start;
-  work_.asked.clear();
   resolve_when(callback, arm);
   if (callback.kind != Callback::Kind::subscription) {
     if (callback.kind == Callback::Kind::service || callback.kind == Callback::Kind::client) {
@@ -658,6 +770,8 @@ SelectArm CodeResolver::resolve_start(const Callback& callback) {
   end.column = callback.position.column;
   end.callback = &callback;
   end.services.assign(work_.asked.begin(), work_.asked.end());
+  work_.calls = std::move(calls);
+  work_.asked = std::move(asked);
   arm.end = std::make_unique<Block>();
   arm.end->statements.push_back(std::move(end));
   return arm;
@@ -667,21 +781,19 @@ void CodeResolver::resolve_when(const Callback& callback, SelectArm& arm) {
   if (callback.when) arm.guard = names_.expression(*callback.when, ValueKind::boolean, "'when'");
   if (callback.goes_by_clock) arm.due = names_.find(due_of(callback.whole_name()))->expression;
   if (!callback.comes_once) return;
-  Expression came;
-  came.op = Expression::Operator::local;
-  came.kind = ValueKind::boolean;
-  came.index = static_cast<std::uint32_t>(work_.tree.slots.size());
-  came.name = callback.whole_name() + " came";
-  ValueType type;
-  type.kind = ValueKind::boolean;
-  type.high = 1;
-  work_.tree.slots.push_back({came.name, type, callback.position});
-  work_.tree.initial.emplace_back(0);
+  const auto [known, is_new] = work_.came.try_emplace(callback.number);
+  if (is_new) {
+    ValueType type;
+    type.kind = ValueKind::boolean;
+    type.high = 1;
+    known->second = add_slot(callback.whole_name() + " came", type, callback.position);
+  }
+  const Expression came = known->second;
   Expression not_yet = make_unary(Expression::Operator::negation, came, callback.position);
   arm.guard = arm.guard ? make_binary(Expression::Operator::conjunction, std::move(not_yet),
                                       std::move(*arm.guard), callback.position)
                         : std::move(not_yet);
-  arm.came = std::move(came);
+  arm.came = came;
 }
 
 // Before the callback's code; it is no step.

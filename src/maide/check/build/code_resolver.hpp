@@ -40,6 +40,16 @@ class CodeResolver {
   void resolve_run(const syntax::Statement& from, Statement& to);
   // `cv.wait;`, perhaps with a time-out: gives the mutex back, waits, and has it again.
   void resolve_condition_wait(const syntax::Statement& from, Statement& to);
+  void resolve_spin(const syntax::Statement& from, Statement& to);
+  // Its arms, and what it may do beside.
+  void resolve_spin_of(const std::vector<const Callback*>& callbacks, const syntax::Statement& from,
+                       Statement& to);
+  void resolve_until(const syntax::Statement& from, Statement& to);
+  // A variable of the program that no text names, 0 at first.
+  Expression add_slot(const std::string& name, const ValueType& type,
+                      const SourcePosition& position);
+  // For ever: a loop around what can start.
+  Statement make_spinning(const std::vector<const Callback*>& callbacks, int line, int column);
   void resolve_repeat(const syntax::Statement& from, Statement& to);
   // LOW..HIGH, which may depend on the program's own variables.
   void resolve_bounds(const syntax::Range& range, Statement& to, std::string_view what);
@@ -65,7 +75,7 @@ class CodeResolver {
   SelectArm resolve_start(const Callback& callback);
   // Where the callback may start, beyond what came for it.
   void resolve_when(const Callback& callback, SelectArm& arm);
-  // The start of a node: its code and its end.
+  // The start of a node, or what spins: its code and its end.
   void resolve_node_start(const Callback& callback, Block& block);
   void note_that_it_came(const Expression& came, Block& code) const;
   void resolve_taken(const syntax::Taken& taken, SelectArm& arm, Event& pattern) const;

@@ -246,6 +246,23 @@ void read_start(Declarations& file, NodeDeclaration& node, const TreeNode& field
   node.callback_groups.emplace_back();
 }
 
+// What spins the executor is code of its first node.
+void read_main(Declarations& file, const ExecutorDeclaration& executor) {
+  const TreeNode* const main =
+      executor.entry->key->path == "executors/*" ? executor.entry->find("main") : nullptr;
+  if (main == nullptr) return;
+  if (executor.nodes.empty()) file.tree().fail("an executor with 'main' runs a node", *main);
+  if (executor.threads > 1) {
+    file.tree().fail("'main' goes with one thread yet: for several it is not built", *main);
+  }
+  NodeDeclaration& node = file.nodes[executor.nodes.front()];
+  check_own_name(file, node, *main);
+  Callback code = make_callback(file, node, Callback::Kind::main, *main);
+  code.code = main->code;
+  node.callbacks.push_back(std::move(code));
+  node.callback_groups.emplace_back();
+}
+
 void read_thread(Declarations& file, NodeDeclaration& node, const TreeNode& entry) {
   Callback thread = make_callback(file, node, Callback::Kind::thread, entry);
   check_plain_name(file, entry, "a thread");
@@ -304,6 +321,29 @@ std::map<std::uint32_t, ClientSettings> client_settings(Declarations& file,
   return settings;
 }
 
+// Some code of the node, or what spins its executor, waits for an answer of that service.
+bool waits_for_answer(const Declarations& file, const NodeDeclaration& node,
+                      const std::string& service) {
+  const std::string array = array_of(service);
+  bool waits = false;
+  const auto visit = [&](const syntax::Code& code) {
+    syntax::for_each_statement(code.block, [&](const syntax::Statement& statement) {
+      const bool awaits = statement.kind == syntax::Statement::Kind::wait ||
+                          statement.spin == syntax::Statement::Spin::until;
+      waits = waits || (awaits && statement.model.name.text == array &&
+                        statement.arms.front().output.name.is("answer"));
+      for (const syntax::SelectArm& arm : statement.select_arms) {
+        waits = waits || (arm.kind == syntax::SelectArm::Kind::output &&
+                          arm.model.name.text == array && arm.event.name.is("answer"));
+      }
+    });
+  };
+  for_each_code(*node.entry, visit);
+  for_each_code(*file.executors[node.executor].entry, visit);
+  for (const TreeNode& procedure : file.tree().entries("procedures")) visit(*procedure.code);
+  return waits;
+}
+
 // A callback of its own for each service that has the node as a client.
 void read_clients(Declarations& file, NodeDeclaration& node) {
   const auto settings = client_settings(file, node);
@@ -323,7 +363,8 @@ void read_clients(Declarations& file, NodeDeclaration& node) {
     callback.position = file.tree().at_name(*node.entry);
     const auto own = settings.find(model);
     if (own != settings.end()) callback.code = own->second.code;
-    if (callback.code) service.own_code.insert(node.name);
+    const bool is_waited_for = waits_for_answer(file, node, service.name);
+    if (callback.code && !is_waited_for) service.own_code.insert(node.name);
     node.callbacks.push_back(std::move(callback));
     node.callback_groups.push_back(own == settings.end() ? "" : own->second.group);
   }
@@ -362,10 +403,12 @@ void declare_callbacks(Declarations& file) {
     if (const TreeNode* const threads = node.entry->find("threads")) {
       for (const TreeNode& entry : threads->children) read_thread(file, node, entry);
     }
-    if (node.callbacks.empty()) {
-      file.tree().fail_at_name("node '" + node.entry->declared->name.text + "' has no callback",
-                               *node.entry);
-    }
+  }
+  for (const ExecutorDeclaration& executor : file.executors) read_main(file, executor);
+  for (const NodeDeclaration& node : file.nodes) {
+    if (!node.callbacks.empty()) continue;
+    file.tree().fail_at_name("node '" + node.entry->declared->name.text + "' has no callback",
+                             *node.entry);
   }
 }
 

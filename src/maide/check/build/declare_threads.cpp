@@ -27,6 +27,7 @@ using program_syntax::Callback;
 // What runs one after the other: the starts, then callbacks as they can.
 struct Line {
   std::vector<Callback> starts, callbacks;
+  std::optional<Callback> main{};
 };
 
 // "on one thread, in any order".
@@ -77,6 +78,8 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
   if (runs_callbacks) program.execution = execution_of(executor);
   program.thread = std::make_shared<program_syntax::Thread>();
   program.thread->starts = std::move(line.starts);
+  program.thread->main = std::move(line.main);
+  program.thread->executor = executor.name;
   program.thread->callbacks = std::move(line.callbacks);
   program.thread->goes_by_rounds = executor.goes_by_rounds && runs_callbacks;
   for (const std::uint32_t node : nodes) {
@@ -117,12 +120,12 @@ void add_groups(Declarations& file, const ExecutorDeclaration& executor, std::ui
       copy.start.push_back({Kind::give, model, 2 * run});
       copy.end.push_back({Kind::give, model, 2 * run + 1});
       add_thread(file, callback.whole_name() + "[" + std::to_string(run) + "]", executor,
-                 {{}, {copy}}, {number});
+                 {{}, {copy}, {}}, {number});
     }
   }
   for (const std::string& group : order) {
     add_thread(file, node.name + (group.empty() ? "" : "." + group), executor,
-               {{}, std::move(exclusive[group])}, {number});
+               {{}, std::move(exclusive[group]), {}}, {number});
   }
 }
 
@@ -162,7 +165,7 @@ void add_own_threads(Declarations& file, std::uint32_t number) {
       copy.end.push_back({Kind::give, model, input_of_copy(CopyInput::end, number_of_copy)});
       add_thread(file,
                  thread.copies == 1 ? name : name + "[" + std::to_string(number_of_copy) + "]", own,
-                 {{}, {copy}}, {number});
+                 {{}, {copy}, {}}, {number});
     }
   }
 }
@@ -197,6 +200,13 @@ std::vector<Callback> callbacks_of(const Declarations& file, const ExecutorDecla
     }
   }
   return all;
+}
+
+std::optional<Callback> main_of(const Declarations& file, const ExecutorDeclaration& executor) {
+  for (const Callback& callback : file.nodes[executor.nodes.front()].callbacks) {
+    if (callback.kind == Callback::Kind::main) return callback;
+  }
+  return std::nullopt;
 }
 
 void number_callbacks(Declarations& file) {
@@ -322,10 +332,13 @@ void declare_threads(Declarations& file) {
     if (!made.insert(number).second) continue;
     std::vector<Callback> starts = callbacks_of(file, executor, true);
     std::vector<Callback> callbacks = callbacks_of(file, executor, false);
-    if (callbacks.empty() && starts.empty()) continue;  // its nodes have threads of their own alone
+    std::optional<Callback> main = main_of(file, executor);
+    // Its nodes may have threads of their own alone.
+    if (callbacks.empty() && starts.empty() && !main) continue;
     if (executor.threads == 1) {
       add_thread(file, executor.nodes.size() == 1 ? file.nodes[first].name : executor.name,
-                 executor, {std::move(starts), std::move(callbacks)}, executor.nodes);
+                 executor, {std::move(starts), std::move(callbacks), std::move(main)},
+                 executor.nodes);
       continue;
     }
     const std::uint32_t threads =
@@ -336,7 +349,8 @@ void declare_threads(Declarations& file) {
       gate = add_hidden_model(file, executor.name + ".started", make_gate(),
                               file.tree().at_name(*executor.entry));
       starts.back().end.push_back({ModelUse::Kind::give, *gate, gate_input_open});
-      add_thread(file, executor.name + ".start", executor, {std::move(starts), {}}, executor.nodes);
+      add_thread(file, executor.name + ".start", executor, {std::move(starts), {}, {}},
+                 executor.nodes);
     }
     for (const std::uint32_t node : executor.nodes) {
       add_groups(file, executor, node, threads, gate);

@@ -160,10 +160,6 @@ std::string EventResolver::name_at_service(const ModelReference& model, const sy
     }
     const auto client = service.client_of(node(), context().program);
     if (!client) return;
-    if (word == "answer" && service.own_code.contains(node())) {
-      names_.fail("answers of " + service.name + " go to the code of its client in " + node(),
-                  name.place);
-    }
     const std::string numbered = name_at_client(word, *client);
     if (at_end && at_end != numbered) {
       names_.fail("at which client of " + services + " this is depends on the index", name.place);

@@ -37,8 +37,10 @@ struct Scope {
 struct Work {
   Work(const Context& known, SourcePosition begin);
 
-  const Context* context;   // of the text that is resolved
-  SourcePosition position;  // where the program's text begins
+  const Context* context;                    // of the text that is resolved
+  const Thread* thread = nullptr;            // whose callbacks its text may spin
+  std::map<std::uint32_t, Expression> came;  // by callback that comes once
+  SourcePosition position;                   // where the program's text begins
   Tree tree;
   std::vector<Scope> scopes;
   std::map<std::string, TextPlace> label_places;

@@ -93,14 +93,16 @@ class FlowWalker final : public Walker {
     const FrameId next = behind(place.frame);
     for (const SelectArm& arm : statement.select_arms) {
       if (!may_start(statement, arm, values) || !takes_from(arm, model, values)) continue;
-      const FrameId end = arm.end ? enter(*arm.end, next) : next;
       const Values after = behind_start(statement, arm, values);
-      if (arm.kind == SelectArm::Kind::output) {
-        if (matches(arm.event, split_name(output), output, after)) {
-          take(arm.event, *arm.body, end, output, after);
+      for (const FrameId behind_arm : ways_behind(place, statement)) {
+        const FrameId end = arm.end ? enter(*arm.end, behind_arm) : behind_arm;
+        if (arm.kind == SelectArm::Kind::output) {
+          if (matches(arm.event, split_name(output), output, after)) {
+            take(arm.event, *arm.body, end, output, after);
+          }
+        } else if (const Arm* of = arm_for(output, arm.arms, after)) {
+          take(of->output, *of->body, end, output, after);
         }
-      } else if (const Arm* of = arm_for(output, arm.arms, after)) {
-        take(of->output, *of->body, end, output, after);
       }
     }
     if (const Arm* of = arm_for(output, statement.arms, values)) {
@@ -157,6 +159,11 @@ class FlowWalker final : public Walker {
         expand_arms(number, place, statement, values);
         expand_looks(place, statement, values);
         break;
+      case Kind::spin:
+        expand_arms(number, place, statement, values);
+        settle(next, values);
+        break;
+      case Kind::refused_spin: break;
       case Kind::end_callback:
       case Kind::withdraw:
       case Kind::run:
@@ -205,7 +212,6 @@ class FlowWalker final : public Walker {
 
   void expand_arm(const Place& place, const Statement& statement, const SelectArm& arm,
                   const Values& values, std::set<std::uint32_t>& models) {
-    const FrameId next = arm.end ? enter(*arm.end, behind(place.frame)) : behind(place.frame);
     const Values after = behind_start(statement, arm, values);
     using Kind = SelectArm::Kind;
     const bool names_model = arm.kind == Kind::input || arm.kind == Kind::output;
@@ -214,9 +220,19 @@ class FlowWalker final : public Walker {
     if (names_model && !is_service && (arm.kind == Kind::output || !arm.body)) {
       models.insert(model_of(arm.model, after));
     } else {
-      settle(enter(arm.body ? *arm.body : *arm.arms.front().body, next), after);
+      for (const FrameId behind_arm : ways_behind(place, statement)) {
+        const FrameId next = arm.end ? enter(*arm.end, behind_arm) : behind_arm;
+        settle(enter(arm.body ? *arm.body : *arm.arms.front().body, next), after);
+      }
     }
     if (arm.kind == Kind::input) note(arm.model, arm.event, after);
+  }
+
+  // Where control goes on behind an arm. Code that spins may go on spinning.
+  std::vector<FrameId> ways_behind(const Place& place, const Statement& statement) {
+    std::vector<FrameId> ways{behind(place.frame)};
+    if (statement.kind == Statement::Kind::spin) ways.push_back(place.frame);
+    return ways;
   }
 
   // Of an executor that goes by rounds: by what it may have found. What it found before is passed

@@ -179,11 +179,20 @@ struct Statement {
     run,       // a copy of thread `name` begins
     join,      // until all of its copies are ended
     unknown,   // what comes is not known: the run is cut
+    spin,      // runs callbacks of executor `name` (empty: none is named), as `spin` says
+  };
+  enum class Spin : std::uint8_t {
+    ever,
+    once,   // one callback
+    some,   // what one look finds, `expression` at most
+    all,    // until nothing is there, or so many were run
+    until,  // the arm of `model`
   };
   Kind kind = Kind::skip;
   TextPlace place;
   std::optional<SourcePosition> origin;  // what it was made from, in another file
   std::vector<Name> labels;
+  Spin spin = Spin::ever;
   bool is_idle = false;       // `idle` stands before it
   bool is_fair = false;       // of a choice, of `any`
   bool is_one_sided = false;  // of a fair choice: the other branch need never come

@@ -42,11 +42,9 @@ constexpr std::string_view openers[] = {"loop",   "repeat", "if",    "skip",   "
                                         "return", "call",   "var",   "atomic", "idle"};
 // Words that begin a statement if a name stands behind them, or `;` behind `unknown`.
 constexpr std::pair<std::string_view, Statement::Kind> verbs[] = {
-    {"offer", Statement::Kind::offer},
-    {"withdraw", Statement::Kind::withdraw},
-    {"run", Statement::Kind::run},
-    {"join", Statement::Kind::join},
-    {"unknown", Statement::Kind::unknown}};
+    {"offer", Statement::Kind::offer},     {"withdraw", Statement::Kind::withdraw},
+    {"run", Statement::Kind::run},         {"join", Statement::Kind::join},
+    {"unknown", Statement::Kind::unknown}, {"spin", Statement::Kind::spin}};
 // Keywords inside of one; those that begin an arm of a `select` may be names of variables, too.
 constexpr std::string_view arm_words[] = {"on", "when", "otherwise", "timeout"};
 constexpr std::string_view others[] = {"else", "quiet"};
@@ -361,9 +359,15 @@ class CodeParser {
         std::ranges::find_if(verbs, [&](const auto& known) { return first.is(known.first); });
     if (verb == std::end(verbs) || first.kind != Token::Kind::identifier) return false;
     const bool is_alone = verb->second == Kind::unknown;
-    if (!(is_alone ? tokens_.peek(1).is(";") : tokens_.peek(1).is_name())) return false;
+    const bool may_be_alone = is_alone || verb->second == Kind::spin;
+    const bool has_name = !is_alone && tokens_.peek(1).is_name();
+    if (!has_name && !(may_be_alone && tokens_.peek(1).is(";"))) return false;
     tokens_.next();
     statement.kind = verb->second;
+    if (statement.kind == Kind::spin) {
+      parse_spin(statement);
+      return true;
+    }
     if (statement.kind == Kind::run || statement.kind == Kind::join) {
       statement.name = parse_plain_name("a thread");
     } else if (!is_alone) {
@@ -371,6 +375,40 @@ class CodeParser {
     }
     expect_semicolon();
     return true;
+  }
+
+  // Behind `spin`.
+  void parse_spin(Statement& statement) {
+    using Spin = Statement::Spin;
+    const auto accept = [&](std::string_view word, Spin spin) {
+      if (tokens_.accept(word)) statement.spin = spin;
+    };
+    accept("once", Spin::once);
+    accept("some", Spin::some);
+    accept("all", Spin::all);
+    if (tokens_.peek().is_name() && !tokens_.peek().is("until") && !tokens_.peek().is("timeout")) {
+      statement.name = parse_plain_name("an executor");
+    }
+    if (statement.spin == Spin::ever) accept("until", Spin::until);
+    const bool is_counted = statement.spin == Spin::some || statement.spin == Spin::all;
+    if (is_counted && !tokens_.peek().is(";")) statement.expression = terms_.parse();
+    if (statement.spin == Spin::until) {
+      statement.model = parse_model();
+      tokens_.expect("->", "after 'spin until " + statement.model.name.text + "'");
+      statement.arms.push_back(parse_awaited(statement.model));
+    }
+    const bool may_be_late = statement.spin == Spin::until || statement.spin == Spin::once;
+    if (may_be_late && tokens_.peek().is("timeout")) {
+      parse_time_out(statement);
+    } else {
+      expect_semicolon();
+    }
+  }
+
+  void parse_time_out(Statement& statement) {
+    const TextPlace place = tokens_.place(tokens_.peek());
+    statement.select_arms.push_back(parse_select_arm());
+    statement.select_arms.back().place = place;
   }
 
   // What begins with a name: an input, or a variable that is set.
@@ -387,10 +425,7 @@ class CodeParser {
     parse_event_of(statement);
     if (tokens_.accept("->")) statement.arms.push_back(parse_awaited(statement.model));
     if (statement.arms.empty() && tokens_.peek().is("timeout")) {
-      const TextPlace place = tokens_.place(tokens_.peek());
-      statement.select_arms.push_back(parse_select_arm());
-      statement.select_arms.back().place = place;
-      return;
+      return parse_time_out(statement);
     }
     expect_semicolon();
   }

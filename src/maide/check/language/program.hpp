@@ -166,6 +166,8 @@ struct Program {
   // Values by variable; none where it is out of scope. [0]: no variable is in scope.
   std::vector<std::vector<std::optional<Value>>> valuations;
   std::vector<ProgramError> errors;  // [0] is not used
+  // For messages: the lines where it runs callbacks until an answer is there.
+  std::vector<int> spins_until;
   // For messages: a guard that reads own variables has no edge where it does not hold.
   std::vector<Select> selects;  // by control state
   std::vector<std::vector<Guard>> guard_lists;

@@ -96,8 +96,16 @@ struct Callback {
 // What runs callbacks one after the other: a single-threaded executor, or one group of a node's.
 struct Thread {
   std::vector<Callback> starts;     // of its nodes: they come first, once
+  std::optional<Callback> main;     // what spins then; none: it spins for ever
   std::vector<Callback> callbacks;  // in a round's order
   bool goes_by_rounds = false;      // else whichever can start
+  std::string executor;             // its name
+
+  std::vector<const Callback*> all() const {
+    std::vector<const Callback*> all;
+    for (const Callback& callback : callbacks) all.push_back(&callback);
+    return all;
+  }
 };
 
 struct SelectArm {
@@ -154,6 +162,8 @@ struct Statement {
     run,           // a copy of the thread whose copies are `copies`
     join,          // until all of them are ended
     relock,        // takes the mutex of the condition `model` again
+    spin,          // runs callbacks, which are arms, as `spin` says
+    refused_spin,  // the node has been added to an executor
   };
   Kind kind = Kind::skip;
   int line = 0, column = 0;
@@ -175,6 +185,9 @@ struct Statement {
   const Callback* callback = nullptr;  // in whose code it stands
   std::vector<std::uint32_t> services;
   std::uint32_t copies = 0;  // the model
+  syntax::Statement::Spin spin = syntax::Statement::Spin::once;
+  bool goes_by_rounds = false;           // of a spin: in the order of the arms
+  std::optional<std::uint32_t> counter;  // of a spin of `upper` callbacks at most: the variable
 };
 
 struct Tree {

@@ -112,8 +112,9 @@ struct Service {
   std::vector<std::uint32_t> callers;
   // By client, where what is on its way is in a stream.
   std::vector<PlaceInStream> requests_in, answers_in;
-  std::uint32_t server_runs = 1;   // of its callback, at once
-  std::set<std::string> own_code;  // nodes whose client has code of its own
+  std::uint32_t server_runs = 1;  // of its callback, at once
+  // Nodes whose client has code of its own, and whose other code waits for no answer.
+  std::set<std::string> own_code;
   // The variable that says whether the server is there; none: it always is.
   std::optional<std::uint32_t> presence;
 
@@ -123,8 +124,17 @@ struct Service {
 };
 
 // What a node's code is for. Callbacks come first, in the order in which a round has them; the
-// node's start and its threads are no callbacks of an executor.
-enum class CallbackKind : std::uint8_t { timer, subscription, service, client, start, thread };
+// node's start and its threads are no callbacks of an executor, nor is what spins the executor,
+// which is of its first node.
+enum class CallbackKind : std::uint8_t {
+  timer,
+  subscription,
+  service,
+  client,
+  start,
+  thread,
+  main
+};
 inline bool is_of_executor(CallbackKind kind) { return kind < CallbackKind::start; }
 
 // The variable that says whether the service is there: "lookup.there".

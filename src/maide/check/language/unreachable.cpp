@@ -26,6 +26,7 @@ class Finder {
     Ways result;
     for (const Statement& statement : block.statements) {
       if (!result.on) {
+        if (statement.kind == Statement::Kind::end_callback) return result;  // no text says it
         found_.push_back({file_, statement.line, statement.column});
         return result;
       }

@@ -431,6 +431,7 @@ std::optional<ServiceModel::State> ServiceModel::behind(State state,
       answer(state, std::exchange(state.served[run], none), caller);
       return state;
     case Kind::answer_due: return when(state.owes_answer());
+    case Kind::own_answer_due: return when(client.waits == 2);
     case Kind::send: {
       if (!takes_requests && !shape_.is_late[number]) return std::nullopt;
       const std::uint32_t item = item_of(number, begin_request(state, number, run));
@@ -625,6 +626,7 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::serve_at_once: return "serve -> request" + by;
     case Kind::answer: return "answer" + by + out;
     case Kind::answer_due: return "an answer is due";
+    case Kind::own_answer_due: return "an answer is due" + of;
     case Kind::send: return "send" + of + out;
     case Kind::receive: return "receive" + of;
     case Kind::take_answer: return "!answer" + of;

@@ -68,7 +68,8 @@ class ServiceModel : public GrowingModel {
       take_request,  // takes the one that is due
       serve_at_once,
       answer,
-      answer_due,  // an answer is due to some client: a condition
+      answer_due,      // an answer is due to some client: a condition
+      own_answer_due,  // one is due to this client: a condition
       // What a client does.
       send,     // by the run number `run` of its callbacks; beyond them, or of a program: by nobody
       receive,  // asks for an answer

@@ -206,7 +206,7 @@ MAIDE_JSON_MEMBERS(Program::Guard, text, line, column, variables)
 MAIDE_JSON_MEMBERS(Program::Select, state, guards)
 MAIDE_JSON_MEMBERS(Program, name, flags, nodes, execution, callbacks, position, last_line, states,
                    edges, labels, label_sets, rounds, unreachable, combined, fair_groups, variables,
-                   valuations, errors, selects, guard_lists, origins, names)
+                   valuations, errors, selects, guard_lists, origins, names, spins_until)
 
 // ---- Properties ---------------------------------------------------------------------------------
 

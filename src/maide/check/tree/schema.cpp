@@ -101,6 +101,8 @@ constexpr Key keys[] = {
     {"executors/*/threads", "", "", "", "of `multi`: how many", number},
     {"executors/*/order", "", "any|rounds", "any",
      "of `single`: any order, or that of rclcpp (Humble)", word},
+    {"executors/*/main", "", "", "`spin;`",
+     "of `single`: the program that spins it, behind the starts of its nodes", callback},
     {"executors/*/may_die", "", "true|false", "false", "whether its process may end at any time",
      word},
     {"executors/*/process", "", "", "one of its own", "the process that it is in, by any name",

@@ -8,8 +8,8 @@
 
 namespace maide::program_syntax {
 
-void LookSteps::expand_discard(const Place& place, const SelectArm& arm, const Values& values,
-                               const Uses& conditions) {
+void LookSteps::expand_discard(const SelectArm& arm, const Values& values, const Uses& conditions,
+                               FrameId next) {
   if (arm.starts->kind != Callback::Kind::client) return;
   const bool is_one = names_.services.at(arm.starts->model).takes_one_by_one;
   for (Uses& way : actions_.combine({{services_.discard_of(*arm.starts)}}, {conditions})) {
@@ -20,7 +20,7 @@ void LookSteps::expand_discard(const Place& place, const SelectArm& arm, const V
                       (is_one ? "an answer to another" : "answers to others"),
                   0,
                   arm.starts->number},
-                 settle(place.frame, values), arm.line, arm.column);
+                 settle(next, values), arm.line, arm.column);
   }
 }
 
@@ -100,6 +100,61 @@ std::vector<std::size_t> LookSteps::order_of_look(const Statement& statement,
   return order;
 }
 
+std::vector<LookSteps::Look> LookSteps::looks_behind(std::vector<Uses> passed,
+                                                     const Statement& statement,
+                                                     const Values& values,
+                                                     std::optional<std::size_t> only) {
+  std::vector<Look> looks{{std::move(passed), 0, ""}};
+  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+    const SelectArm& arm = statement.select_arms[i];
+    if (arm.starts == nullptr) continue;
+    if (arm.came && *values[arm.came->index] != 0) continue;  // it is not due any more
+    const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+    if (!is_timer && only && *only != i) continue;
+    std::vector<Uses> nothing{{}}, something{{}};
+    if (!is_timer) std::tie(something, nothing) = asked(arm, values);
+    std::vector<Look> next;
+    for (const Look& look : looks) {
+      next.push_back({actions_.combine(look.ways, nothing), look.found, look.text});
+      next.push_back({actions_.combine(look.ways, something), look.found | std::uint64_t{1} << i,
+                      look.text + (look.text.empty() ? "" : ", ") + arm.starts->whole_name()});
+    }
+    looks = std::move(next);
+  }
+  return looks;
+}
+
+std::uint32_t LookSteps::fair_look(const Statement& statement, const Values& values,
+                                   std::uint64_t found) {
+  std::uint64_t timers = 0;
+  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+    const SelectArm& arm = statement.select_arms[i];
+    const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
+    if (is_timer && !(arm.came && *values[arm.came->index] != 0)) timers |= std::uint64_t{1} << i;
+  }
+  if (timers == 0) return 0;
+  return fair_group(nullptr, statement.line, statement.column, static_cast<Value>(found & timers),
+                    false, "a look");
+}
+
+std::vector<Uses> LookSteps::start_found(const Place& place, const SelectArm& arm,
+                                         const Values& values, const std::vector<Uses>& passed,
+                                         bool discards, FrameId next) {
+  const auto [may, may_not] = may_start(arm, values, passed);
+  const std::vector<Uses> ways = actions_.combine(passed, may);
+  for (const Uses& conditions : ways) {
+    expand_arm(place, arm, values, conditions, 0, next);
+    if (discards) expand_discard(arm, values, conditions, next);
+  }
+  const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+  if (is_timer && may_not.empty()) return {};
+  std::vector<Uses> behind = actions_.combine(passed, may_not);
+  if (is_timer) return behind;
+  for (Uses& way : actions_.combine(ways, nothing_for(arm, values)))
+    behind.push_back(std::move(way));
+  return behind;
+}
+
 void LookSteps::expand_rounds(const Place& place, const Statement& statement,
                               const Values& values) {
   const std::uint32_t slot = statement.target.index;
@@ -114,47 +169,15 @@ void LookSteps::expand_rounds(const Place& place, const Statement& statement,
     const SelectArm& arm = statement.select_arms[i];
     Values behind_it = values;
     behind_it[slot] = static_cast<Value>(left & ~((std::uint64_t{2} << i) - 1));
-    const auto [may, may_not] = may_start(arm, values, passed);
-    const std::vector<Uses> ways = actions_.combine(passed, may);
-    for (const Uses& conditions : ways) {
-      expand_arm(place, arm, behind_it, conditions, 0);
-      expand_discard(place, arm, behind_it, conditions);
-    }
+    passed = start_found(place, arm, behind_it, passed, true, behind(place.frame));
     const bool is_timer = arm.starts->kind == Callback::Kind::timer;
-    if (is_timer && may_not.empty()) return;
-    passed = actions_.combine(passed, may_not);
-    if (is_timer) continue;
-    for (Uses& way : actions_.combine(ways, nothing_for(arm, values))) {
-      passed.push_back(std::move(way));
-    }
+    if (is_timer && passed.empty()) return;
   }
   const std::vector<std::size_t> order = order_of_look(statement, values);
   const std::size_t asked_first = order.empty() ? count : 1;  // in this step
-  // By which callbacks there is something for: each of some ways.
-  struct Look {
-    std::vector<Uses> ways;
-    std::uint64_t found = 0;
-    std::string text;
-  };
-  std::vector<Look> looks{{std::move(passed), 0, ""}};
-  std::uint64_t timers = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const SelectArm& arm = statement.select_arms[i];
-    const bool is_timer = arm.starts->kind == Callback::Kind::timer;
-    if (arm.came && *values[arm.came->index] != 0) continue;  // it is not due any more
-    if (is_timer) timers |= std::uint64_t{1} << i;
-    if (!is_timer && !order.empty() && order.front() != i) continue;
-    std::vector<Uses> nothing{{}}, something{{}};
-    if (!is_timer) std::tie(something, nothing) = asked(arm, values);
-    std::vector<Look> next;
-    for (const Look& look : looks) {
-      next.push_back({actions_.combine(look.ways, nothing), look.found, look.text});
-      next.push_back({actions_.combine(look.ways, something), look.found | std::uint64_t{1} << i,
-                      look.text + (look.text.empty() ? "" : ", ") + arm.starts->whole_name()});
-    }
-    looks = std::move(next);
-  }
-  for (Look& look : looks) {
+  std::optional<std::size_t> only;
+  if (!order.empty()) only = order.front();
+  for (Look& look : looks_behind(std::move(passed), statement, values, only)) {
     if (look.found == 0) {
       // Something is there that is asked for later, or nobody looks.
       std::vector<Uses> there, before = std::move(look.ways);
@@ -170,12 +193,7 @@ void LookSteps::expand_rounds(const Place& place, const Statement& statement,
     behind_it[slot] = static_cast<Value>(look.found | still);
     if (look.ways.empty()) continue;
     const ControlState target = settle(place.frame, behind_it);
-    // On fair runs each timer is due again and again, alone and together with others.
-    std::uint32_t fair = 0;
-    if (timers != 0) {
-      fair = fair_group(nullptr, statement.line, statement.column,
-                        static_cast<Value>(look.found & timers), false, "a look");
-    }
+    const std::uint32_t fair = fair_look(statement, values, look.found);
     for (const Uses& way : look.ways) {
       add_combined({CombinedStep::Role::look,
                     way,

@@ -18,9 +18,27 @@ class LookSteps : public SelectSteps {
  protected:
   void expand_rounds(const Place& place, const Statement& statement, const Values& values);
 
+  // What a look may find, each by some ways: the arms' bits.
+  struct Look {
+    std::vector<Uses> ways;
+    std::uint64_t found = 0;
+    std::string text;  // "robot.tick, robot.on_scan"
+  };
+  // By a statement's arms that are callbacks, behind these ways; `only`: of those that no timer is,
+  // this one is asked for alone.
+  std::vector<Look> looks_behind(std::vector<Uses> passed, const Statement& statement,
+                                 const Values& values, std::optional<std::size_t> only = {});
+  // On fair runs each timer is due again and again, alone and together with others: the group of a
+  // look that finds these. 0: there is no timer.
+  std::uint32_t fair_look(const Statement& statement, const Values& values, std::uint64_t found);
+  // The arm's callback starts, of those that a look found, after others were passed over; then
+  // control goes on at `next`. Returns how it is passed over itself; empty: never.
+  std::vector<Uses> start_found(const Place& place, const SelectArm& arm, const Values& values,
+                                const std::vector<Uses>& passed, bool discards, FrameId next);
+
  private:
-  void expand_discard(const Place& place, const SelectArm& arm, const Values& values,
-                      const Uses& conditions);
+  void expand_discard(const SelectArm& arm, const Values& values, const Uses& conditions,
+                      FrameId next);
   // Nothing is there for the arm's callback.
   std::vector<Uses> nothing_for(const SelectArm& arm, const Values& values);
   // What stands behind `when` at the arm's callback holds, or does not; each in some ways. Where it

@@ -18,35 +18,32 @@ void SelectSteps::expand_select(const Place& place, const Statement& statement,
       expand_otherwise(place, statement, arm, values);
       continue;
     }
-    if (arm.kind == SelectArm::Kind::wake_causeless) {
-      expand_waking(place, arm, values, 0);
-      continue;
-    }
-    const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
-    const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of_arm(arm));
-    if (arm.kind == SelectArm::Kind::wake) {
-      expand_waking(place, arm, values, fair);
-      continue;
-    }
-    Uses start = arm.starts != nullptr ? arm.starts->start : Uses{};
-    if (arm.due) {
-      const std::vector<bool> is_due{false, true};
-      start.push_back(actions_.variable(arm.due->index, &is_due, 0));
-    }
-    if (!arm.guard) {
-      expand_arm(place, arm, values, start, fair);
-      continue;
-    }
-    for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
-      if (!result.value) {
-        add_combined(
-            {CombinedStep::Role::arm, actions_.variables(conditions, {}), {}, "when", fair},
-            error_state(result.error, result.line, result.column), arm.line, arm.column);
-      } else if (*result.value != 0) {
-        Uses uses = actions_.variables(conditions, {});
-        uses.insert(uses.end(), start.begin(), start.end());
-        expand_arm(place, arm, values, uses, fair);
-      }
+    expand_guarded_arm(place, arm, values, {}, behind(place.frame));
+  }
+}
+
+void SelectSteps::expand_guarded_arm(const Place& place, const SelectArm& arm, const Values& values,
+                                     const Uses& also, FrameId next) {
+  if (arm.kind == SelectArm::Kind::wake_causeless) return expand_waking(place, arm, values, 0);
+  const Callback* const of = arm.starts != nullptr ? arm.starts : arm.callback;
+  const std::uint32_t fair = fair_group(of, arm.line, arm.column, 0, false, text_of_arm(arm));
+  if (arm.kind == SelectArm::Kind::wake) return expand_waking(place, arm, values, fair);
+  Uses start = arm.starts != nullptr ? arm.starts->start : Uses{};
+  if (arm.due) {
+    const std::vector<bool> is_due{false, true};
+    start.push_back(actions_.variable(arm.due->index, &is_due, 0));
+  }
+  start.insert(start.end(), also.begin(), also.end());
+  if (!arm.guard) return expand_arm(place, arm, values, start, fair, next);
+  for (auto& [conditions, result] : outcomes(*arm.guard, values, at(arm.line, arm.column))) {
+    Uses uses = actions_.variables(conditions, {});
+    if (!result.value) {
+      uses.insert(uses.end(), also.begin(), also.end());
+      add_combined({CombinedStep::Role::arm, std::move(uses), {}, "when", fair},
+                   error_state(result.error, result.line, result.column), arm.line, arm.column);
+    } else if (*result.value != 0) {
+      uses.insert(uses.end(), start.begin(), start.end());
+      expand_arm(place, arm, values, uses, fair, next);
     }
   }
 }
@@ -79,7 +76,7 @@ void SelectSteps::expand_waking(const Place& place, const SelectArm& arm, const 
 }
 
 void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Values& values,
-                             const Uses& conditions, std::uint32_t fair) {
+                             const Uses& conditions, std::uint32_t fair, FrameId behind_arm) {
   const auto add = [&](std::vector<ModelUse> uses, const std::vector<ModelUse>& events,
                        const std::string& text, ControlState target) {
     const std::string prefix = arm.starts != nullptr ? arm.starts->whole_name() + " starts" : "";
@@ -94,7 +91,7 @@ void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Val
           target, arm.line, arm.column);
     }
   };
-  const FrameId next = arm.end ? enter(*arm.end, behind(place.frame)) : behind(place.frame);
+  const FrameId next = arm.end ? enter(*arm.end, behind_arm) : behind_arm;
   if (arm.starts != nullptr && arm.starts->kind != Callback::Kind::subscription) {
     auto [uses, events] = services_.start_of(*arm.starts);
     return add(std::move(uses), events, "", settle(enter(*arm.body, next), values));
@@ -113,7 +110,7 @@ void SelectSteps::expand_arm(const Place& place, const SelectArm& arm, const Val
                text_of_arrival(arm.model, values), settle(enter(*arm.body, next), values));
   }
   if (const Topic* topic = written_topic(arm.model, arm.event.name, values)) {
-    return expand_topic_arm(place, arm, *topic, values, add);
+    return expand_topic_arm(place, arm, *topic, values, next, add);
   }
   const std::uint32_t model = model_of(arm.model, values);
   const InterfaceAutomaton& automaton = actions_.model(model).automaton;
@@ -379,8 +376,7 @@ TopicSteps::WriteKind SelectSteps::kind_of(const SelectArm& arm) {
 
 template <typename Add>
 void SelectSteps::expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
-                                   const Values& values, const Add& add) {
-  const FrameId next = behind(place.frame);
+                                   const Values& values, FrameId next, const Add& add) {
   if (arm.kind == SelectArm::Kind::output) {
     for (TopicSteps::Taking& way : topics_.takings(topic)) {
       const std::string& name = way.output;

@@ -17,9 +17,13 @@ class SelectSteps : public EdgeWriter {
 
  protected:
   void expand_select(const Place& place, const Statement& statement, const Values& values);
+  // An arm that waits for no other: its steps where its guard holds, and `also` is possible.
+  // Behind it control goes on at `next`.
+  void expand_guarded_arm(const Place& place, const SelectArm& arm, const Values& values,
+                          const Uses& also, FrameId next);
   // The arm's steps where its guard holds, which asks for `conditions`.
   void expand_arm(const Place& place, const SelectArm& arm, const Values& values,
-                  const Uses& conditions, std::uint32_t fair);
+                  const Uses& conditions, std::uint32_t fair, FrameId next);
   // What an arm for an input does with its model in one of its steps.
   struct InputWay {
     Uses uses;                     // the first is of the model
@@ -52,7 +56,7 @@ class SelectSteps : public EdgeWriter {
   // The steps of an arm that writes to a topic, or takes what was written.
   template <typename Add>
   void expand_topic_arm(const Place& place, const SelectArm& arm, const Topic& topic,
-                        const Values& values, const Add& add);
+                        const Values& values, FrameId next, const Add& add);
 };
 
 }  // namespace maide::program_syntax

@@ -12,7 +12,7 @@ constexpr std::uint32_t nobody = ~std::uint32_t{0};
 
 ServiceSteps::Operation ServiceSteps::due_behind(const Operation& given) {
   if (given.kind == Kind::answer) return {Kind::answer_due, 0, 0};
-  if (given.kind == Kind::receive) return {Kind::take_answer, given.client, nobody};
+  if (given.kind == Kind::receive) return {Kind::own_answer_due, given.client, nobody};
   return {Kind::take_request, 0, 0};
 }
 
@@ -98,7 +98,8 @@ std::pair<Uses, Uses> ServiceSteps::start_of(const Callback& callback) const {
   }
   const std::uint32_t client = service.client_of(callback.node, number_).value_or(0);
   const bool has_code = callback.code != nullptr;
-  const Kind kind = has_code ? Kind::take_own : Kind::hand_over;
+  const bool is_for_code = service.own_code.contains(callback.node);
+  const Kind kind = is_for_code ? Kind::take_own : Kind::hand_over;
   return {{service.rules->use(actions_, callback.model, {kind, client, nobody})},
           events_of(callback.model, name_at_client("receive", client),
                     has_code ? name_at_client("answer", client) : "")};

@@ -77,6 +77,8 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::atomic: expand_atomic(place, statement, values); break;
     case Kind::select: expand_select(place, statement, values); break;
     case Kind::rounds: expand_rounds(place, statement, values); break;
+    case Kind::spin: expand_spin(place, statement, values); break;
+    case Kind::refused_spin: expand_refused_spin(statement); break;
     case Kind::end_callback: expand_end(place, statement, values); break;
     case Kind::arrival: expand_arrival(place, statement, values); break;
     case Kind::withdraw: expand_withdraw(place, statement, values); break;

@@ -1,7 +1,7 @@
 // Unrolling of a program's syntax tree into its automaton: each control state is expanded once,
 // when it is first met, into the edges of the statement that it rests before. Walker says where
 // control rests behind an edge, EdgeWriter writes edges down; those of `select` are SelectSteps',
-// those of an executor's look LookSteps'.
+// those of an executor's look LookSteps', those of code that spins SpinSteps'.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
-#include "maide/check/unroll/look_steps.hpp"
+#include "maide/check/unroll/spin_steps.hpp"
 
 namespace maide::program_syntax {
 
-class Unroller : public LookSteps {
+class Unroller : public SpinSteps {
  public:
   // Keeps references.
   Unroller(const Tree& tree, const Unrolled& program, ModelActions& actions, const Names& names,
            const RunControl& control)
-      : LookSteps(tree, program, actions, names, control),
+      : SpinSteps(tree, program, actions, names, control),
         may_die_(program.may_die),
         nodes_(program.nodes) {}
 

@@ -43,6 +43,8 @@ bool steps(const Statement& statement) {
     case Kind::run:
     case Kind::join:
     case Kind::relock:
+    case Kind::spin:
+    case Kind::refused_spin:
     case Kind::atomic: return true;
     case Kind::assign: return is_shared(statement.target) || reads_shared(*statement.expression);
     case Kind::when:
@@ -379,6 +381,7 @@ void Walker::check_arrival(const Statement& statement, const Values& values) con
       break;
     case Kind::select:
     case Kind::rounds:
+    case Kind::spin:
       for (const SelectArm& arm : statement.select_arms) {
         if (arm.guard && (reads_shared(*arm.guard) || evaluate(*arm.guard, values) == 0)) continue;
         check_arm(arm, values);

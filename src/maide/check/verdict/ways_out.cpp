@@ -305,10 +305,25 @@ class WayFinder {
       is_there = true;
       lacks_thread = lacks_thread || can_but_for_threads;
     }
-    if (!is_there) return helper;
+    if (!is_there) {
+      if (helper.obstacle == Obstacle::none && !may_start_any(program, state_.programs[index])) {
+        helper.obstacle = index == waiting_ ? Obstacle::own_thread : Obstacle::busy;
+      }
+      return helper;
+    }
     helper.obstacle = lacks_thread ? Obstacle::no_thread : Obstacle::not_started;
     if (lacks_thread) helper.holders = running_on(system_.callbacks[callback].executor);
     return helper;
+  }
+
+  // Some callback starts there, or would where a guard held.
+  static bool may_start_any(const Program& program, ControlState at) {
+    const auto edges = program.edges_of(at);
+    return !closed_guards(program, at).empty() ||
+           std::ranges::any_of(edges, [&](const ProgramEdge& edge) {
+             const Role role = program.role_of(edge);
+             return started_by(program, edge).has_value() || role == Role::look;
+           });
   }
 
   std::uint32_t threads_of(std::uint32_t callback) const {

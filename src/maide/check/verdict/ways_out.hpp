@@ -33,7 +33,8 @@ struct Helper {
   std::uint32_t program = 0;
   std::optional<std::uint32_t> callback;  // of a node, whose step it is
   Obstacle obstacle = Obstacle::none;
-  // Of own_thread, own_group, no_thread, busy: the callbacks that have what this one needs.
+  // Of own_thread, own_group, no_thread, busy: the callbacks that have what this one needs. None of
+  // own_thread and busy: the program runs its start, or what spins.
   std::vector<std::uint32_t> holders;
   bool operator==(const Helper&) const = default;
 };
