@@ -628,7 +628,8 @@ class Compiler:
                 first, outputs = None, self.arms(patterns, model, frame, after)
             arms.append(Arm(number, guard, model, arm.input, arguments, outputs, first))
         other = None if statement.other is None else self.block(statement.other, frame, after)
-        node = Node("select", frame, statement.place, arms=arms, other=other)
+        times_out = statement.times_out
+        node = Node("select", frame, statement.place, arms=arms, other=other, times_out=times_out)
         node.idle = statement.idle
         return node
 

@@ -152,9 +152,11 @@ class Component:
 
     def followed(self, controls: tuple, world: tuple, is_arrival: bool) -> tuple[tuple, tuple]:
         """What follows in the same step: streams note what was sent, and with what arrives or is
-        lost calls end."""
+        lost calls end. Services forget what makes no difference any more."""
         for n, stream in self.streams:
             world = (stream.noted(n, world[0]), world[1])
+        for k, use in self.services:
+            world = Program.with_model(world, k, use.tidied(world[0][k]))
         if self.calls and is_arrival:
             ended = []
             for program, control in zip(self.programs, controls):

@@ -418,19 +418,21 @@ class Parser:
 
     def parse_select(self, place):
         self.expect("{")
-        arms, other = [], None
+        arms, other, times_out = [], None, False
         while not self.accept("}"):
             arm_place = self.here()
             if self.sees("otherwise", "timeout"):
                 if other is not None:
                     self.fail("one 'otherwise' or 'timeout'")
-                if not self.accept("otherwise"):
+                times_out = not self.accept("otherwise")
+                if times_out:
                     self.expect("timeout")
                     self.expression()
                 other = self.block()
                 continue
             arms.append(self.select_arm(arm_place))
-        return Statement("select", place, arms=arms, other=other, idle=False)
+        fields = {"arms": arms, "other": other, "times_out": times_out}
+        return Statement("select", place, **fields, idle=False)
 
     def select_arm(self, place):
         arm = Statement("arm", place, guard=None, model=None, input=None, outputs=None, body=None)

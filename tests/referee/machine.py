@@ -486,8 +486,24 @@ class Program:
             if not use.quiet(world[0][number], self.number, name, is_input):
                 something_due = True
         if node.other is not None and not found and not something_due:
-            found.append(self.step(("otherwise",), node.other, values, world))
+            after = self.timed_out(node, values, world) if node.times_out else world
+            found.append(self.step(("otherwise",), node.other, values, after))
         return found
+
+    def timed_out(self, node: Node, values: dict, world: World) -> World:
+        """The world after the time-out of a `select`: requests to the services for whose answers it
+        waited are overdue, whether the arm's guard held or not."""
+        for arm in node.arms:
+            if arm.input != "receive":
+                continue
+            try:
+                number = self.model(arm.model, values.__getitem__)
+            except Mistake:  # behind a guard that does not hold
+                continue
+            use = self.system.uses[number]
+            if hasattr(use, "timed_out"):
+                world = self.with_model(world, number, use.timed_out(world[0][number], self.number))
+        return world
 
     def steps_arm(
         self, arm: Arm, mark: tuple, number: int, given: tuple, values: dict, world: World

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from models import Queue
-from services import FREE, OWN, STRANGER, Client, Rest, Service
+from services import NOBODY, STRANGER, Client, Rest, Service
 from system import System
 
 State = Any
@@ -84,13 +84,14 @@ def topic(depth: int) -> int:
 
 
 class NumberedService(Service):
-    """A service in which the first client's requests have numbers; others' have none."""
+    """A service whose clients take any own answer, as rclcpp's do: the first client's requests have
+    numbers; others' have none."""
 
     number = 0
 
     def sent(self, state: Rest, program: int) -> Rest:
         i = self.client_of[program]
-        who = (OWN, self.number) if i == 0 else OWN
+        who = ("number", self.number) if i == 0 else NOBODY
         return state._replace(requests=self.kept(state.requests + ((i, who),)))
 
 
@@ -100,7 +101,7 @@ class ServiceMachine:
     SERVER, FIRST, SECOND = 2, 0, 1
 
     def __init__(self, depth: int, clients: int, one_open: bool = False) -> None:
-        ends = [Client(frozenset([number])) for number in range(clients)]
+        ends = [Client(frozenset([number]), is_node=True) for number in range(clients)]
         self.service = NumberedService("s", depth, frozenset([self.SERVER]), ends)
         self.one_open = one_open
         self.start = (self.service.initial, (0, 0, 0), False)
@@ -116,11 +117,10 @@ class ServiceMachine:
 
     def receive(self, state: Rest, client: int) -> tuple[Rest, Any]:
         """(the state after a client looked once for its answer, that answer or None)."""
+        if not self.service.has_answer(state, client):
+            return state, None
         own = self.service.own_answers(state.clients[client][0])
-        found = self.service.pick(state, client, ("receive", ()))[0]
-        if found:
-            return found[0][1], own[0]
-        return self.service.with_client(state, client, (), FREE), None
+        return self.service.received_by(state, client, client)[0], own[0]
 
     def call(self, state: Rest, served: int) -> tuple[Rest, int]:
         """The second client asks, the server serves all, and the client gets its answer.
@@ -129,10 +129,10 @@ class ServiceMachine:
         state = self.service.sent(state, self.SECOND)
         while (result := self.serve(state)) is not None:
             state, (_, who) = result
-            served = served if who == OWN else who[1]
+            served = served if who == NOBODY else who[1]
         state, answer = self.receive(state, self.SECOND)
-        assert answer == OWN
-        return self.service.with_client(state, self.SECOND, (), FREE), served
+        assert answer == NOBODY
+        return self.service.with_client(state, self.SECOND, (), frozenset()), served
 
     def step(self, at: tuple, given: str) -> tuple:
         """(output, next state)."""
@@ -165,13 +165,15 @@ class ServiceMachine:
     @staticmethod
     def small(state: Rest, sent: int, served: int, got: int, is_open: bool) -> tuple:
         """The state with smaller numbers."""
-        requests, _, _, clients, _ = state
+        requests, _, _, clients, _, _ = state
         asked = [who[1] for _, who in requests]
         answered = [who[1] for who in clients[0][0] if who != STRANGER]
         new = renumbered([sent, served, got, *asked, *answered])
-        requests = tuple((i, (OWN, new[who[1]])) for i, who in requests)
-        answers = tuple(who if who == STRANGER else (OWN, new[who[1]]) for who in clients[0][0])
-        clients = ((answers, clients[0][1]), *((((), FREE),) * (len(clients) - 1)))
+        requests = tuple((i, ("number", new[who[1]])) for i, who in requests)
+        answers = tuple(
+            who if who == STRANGER else ("number", new[who[1]]) for who in clients[0][0]
+        )
+        clients = ((answers, clients[0][1]), *clients[1:])
         small = state._replace(requests=requests, clients=clients)
         return small, (new[sent], new[served], new[got]), is_open
 

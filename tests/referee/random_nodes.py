@@ -91,6 +91,31 @@ class NodeMaker(TextMaker):
         self.atoms += [f"{name}.{i}" for i in ("send", "serve", "answer", "receive")]
         self.atoms += [f"{name}!request", f"{name}!answer"]
 
+    def open_requests(self, service: str, label: str = "") -> list[str]:
+        """What a program does that has several requests open, or gives some up."""
+        rng = self.rng
+        lines = [f"{service}.send;"]
+        for _ in range(rng.choice([2, 2, 3, 3, 4])):
+            other = rng.choice(["timeout 9", "timeout 9", "otherwise"])
+            arm = f"{service}.receive -> answer" if self.chance(0.8) else f"{service}!answer"
+            inner = rng.choice(["", f" {service}.send; ", " stop; "])
+            behind = rng.choice(["", f" {service}.send; "])
+            lines += rng.choice([
+                [f"{service}.send;"],
+                [f"{service}.send;"],
+                [f"select {{ on {arm} {{{inner}}} {other} {{{behind}}} }}"],
+                [f"select {{ on {arm} {{{inner}}} {other} {{{behind}}} }}"],
+                [f"{service}.receive -> answer;"],
+                [f"wait {service} -> answer;"],
+            ])  # fmt: skip
+        if self.chance(0.05):
+            lines.append(f"{service}.receive;")
+        at = rng.randrange(1, len(lines))
+        lines[at] = f"{label}{lines[at]}"
+        if self.chance(0.7):
+            lines.append(f"{service}.receive -> answer;")
+        return lines
+
     def exchange(self, known: Known, place: Place) -> list[str]:
         """A call or a served request, as a program writes it; with more or less of it."""
         rng = self.rng
@@ -104,7 +129,9 @@ class NodeMaker(TextMaker):
             lines = [f"{known.name}.send;", f"@{label} {known.name}.receive -> answer;"]
             if self.chance(0.25):
                 lines.insert(0, f"{known.name}.send;")
-            if self.chance(0.2):
+            if self.chance(0.3):
+                lines = self.open_requests(known.name, f"@{label} ")
+            elif self.chance(0.2):
                 lines[-1] = f"{known.name}.receive;"
                 lines.append(f"@{label} wait {known.name} -> answer;")
         if self.chance(0.1):
@@ -139,6 +166,8 @@ class NodeMaker(TextMaker):
             return [serve, *other, f"{known.name}.answer;"]
         if "send" in known.inputs:
             receive = f"@{label} {known.name}.receive -> answer;"
+            if self.chance(0.3):
+                return [*self.open_requests(known.name, f"@{label} "), *other]
             if self.chance(0.2):
                 receive = f"select {{ on {known.name}.receive -> answer {{ }} timeout 9 {{ }} }}"
             return [f"{known.name}.send;", *other, receive]

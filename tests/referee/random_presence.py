@@ -268,6 +268,8 @@ class PresenceMaker(WireMaker):
             service = rng.choice(waits)
             take = f"wait {service} -> answer;"
             if not part.is_node:
+                if self.chance(0.4):
+                    return self.open_requests(service, self.marked(part, "skip;")[:-len("skip;")])
                 take = f"{service}.receive -> answer;"
             return [f"{service}.send;", self.marked(part, take)]
         if kind == "select":

@@ -405,6 +405,8 @@ class WireMaker(NodeMaker):
     def race_ask(self, service: str) -> list[str]:
         """A call."""
         roll = self.rng.random()
+        if self.chance(0.35):
+            return self.open_requests(service, f"{self.label()} ")
         if roll < 0.2:
             return [f"{service}.send;", f"select {{ on {service}.receive -> answer {{ }} "
                     f"timeout 9 {{ {self.label()} skip; }} }}"]  # fmt: skip

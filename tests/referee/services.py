@@ -9,10 +9,12 @@ A Service answers what a program may do with it, as in use.py. Its state has
               programs to which an answer was handed over; None if the client died
     there     whether it is offered; where it is not, requests are lost. It stays when the server
               dies, until a step that comes on fair runs, where the file asks for it
+    asked     of each client that is a program its open requests
 
 A request is (number of the client, who asked). An answer in a client's queue is STRANGER or who
-asked: OWN where that is a program; in a node the copy of a callback whose run made the request, if
-it was the last one of that run and the run goes on, or else NOBODY.
+asked. Where that is a program, this is the number of the request, or NOBODY if the program gave it
+up; in a node the copy of a callback whose run made the request, if it was the last one of that run
+and the run goes on, or else NOBODY.
 
 An executor with rounds finds a client by any answer in its queue, and the client takes answers to
 others in its turn: over Cyclone DDS all at once, over Fast DDS one a turn.
@@ -27,7 +29,7 @@ from language import Refused
 from models import Action
 
 FREE, WAITS, DUE = "free", "waits", "due"
-OWN, NOBODY, STRANGER = "own", "nobody", "stranger"
+NOBODY, STRANGER = "nobody", "stranger"
 INPUTS = {"send": "client", "receive": "client", "serve": "server", "answer": "server"}
 OUTPUTS = {"request": "server", "answer": "client"}
 
@@ -42,6 +44,24 @@ class Client:
     looked_at: bool = False  # by an executor with rounds
 
 
+class Asked(NamedTuple):
+    """The open requests of a program, the oldest first, each as (number, whether its answer was
+    kept by a `receive` that looked for another)."""
+
+    requests: tuple = ()
+    overdue: bool = False  # a time-out came while all of these were open: `send` gives them up
+
+    def without_oldest(self) -> Asked:
+        """The same after the oldest was answered."""
+        rest = self.requests[1:]
+        return Asked(rest, self.overdue and bool(rest))
+
+    def with_kept(self, number: int) -> Asked:
+        """The same after the answer to one was kept; to one that is not open it is thrown away."""
+        kept = tuple((one, has or one == number) for one, has in self.requests)
+        return self._replace(requests=kept)
+
+
 class Rest(NamedTuple):
     """The state of a service."""
 
@@ -49,7 +69,8 @@ class Rest(NamedTuple):
     server: Any
     served: tuple
     clients: tuple
-    there: bool = True
+    there: bool
+    asked: tuple
 
 
 class Service:
@@ -79,7 +100,8 @@ class Service:
         self.slots = slots  # the copies that have one of their own
         self.one_by_one = one_by_one  # a client takes one answer, whosever it is: Fast DDS
         at_first = [((), frozenset() if client.is_node else FREE) for client in clients]
-        self.initial: Any = Rest((), FREE, (None,) * max(1, len(slots)), tuple(at_first))
+        served, asked = (None,) * max(1, len(slots)), (Asked(),) * len(clients)
+        self.initial: Any = Rest((), FREE, served, tuple(at_first), True, asked)
 
     # --- who may do what
 
@@ -155,32 +177,92 @@ class Service:
             return answers
         return self.own_answers(answers) or answers[-1:]
 
+    def renamed(self, state: Rest, i: int, names: dict) -> Rest:
+        """The state with other names for those who asked at one client."""
+
+        def of_request(request: Any) -> Any:
+            is_theirs = isinstance(request, tuple) and request[0] == i
+            return (i, names.get(request[1], request[1])) if is_theirs else request
+
+        state = state._replace(
+            requests=None if state.requests is None else tuple(map(of_request, state.requests)),
+            server=of_request(state.server),
+            served=tuple(map(of_request, state.served)),
+        )
+        if state.clients[i] is None:
+            return state
+        answers, stands = state.clients[i]
+        answers = tuple(self.in_queue(i, names.get(who, who)) for who in answers)
+        return self.with_client(state, i, answers, stands)
+
+    def in_queue(self, i: int, who: Any) -> Any:
+        """What an answer is to a client: a program throws away what answers nobody any more."""
+        return STRANGER if who == NOBODY and not self.clients[i].is_node else who
+
+    def names(self, state: Rest, i: int) -> set:
+        """Those of a client who may still be answered."""
+        requests = (*(state.requests or ()), state.server, *state.served)
+        found = {one[1] for one in requests if isinstance(one, tuple) and one[0] == i}
+        return found.union(state.clients[i][0] if state.clients[i] is not None else ())
+
     def forgotten(self, state: Rest, program: int) -> Rest:
         """The state after nobody waits any more for what this copy of a callback asked for."""
         i = self.client_of.get(program)
         if i is None or not self.clients[i].is_node or state.clients[i] is None:
             return state
-
-        def older(request: Any) -> Any:
-            return (i, NOBODY) if request == (i, program) else request
-
-        requests = None if state.requests is None else tuple(map(older, state.requests))
+        state = self.renamed(state, i, {program: NOBODY})
         answers, over = state.clients[i]
-        answers = tuple(NOBODY if who == program else who for who in answers)
-        state = state._replace(
-            requests=requests, server=older(state.server), served=tuple(map(older, state.served))
-        )
         return self.with_client(state, i, answers, over - {program})
 
     def sent(self, state: Rest, program: int) -> Rest:
         """The state after a request."""
-        return self.requested(self.forgotten(state, program), self.request_of(program))
+        return self.requested(*self.asked_by(self.forgotten(state, program), program))
 
-    def request_of(self, program: int) -> tuple:
-        """A request of this program."""
+    def asked_by(self, state: Rest, program: int) -> tuple[Rest, tuple]:
+        """The state after a program has one more open request, and that request."""
         i = self.client_of[program]
         client = self.clients[i]
-        return (i, OWN if not client.is_node else program if client.hands_over else NOBODY)
+        if client.is_node:
+            return state, (i, program if client.hands_over else NOBODY)
+        open_ones = state.asked[i].requests
+        number = max((one for one, _ in open_ones), default=-1) + 1
+        kept = () if state.asked[i].overdue else open_ones
+        return self.with_asked(state, i, Asked((*kept, (number, False)))), (i, number)
+
+    @staticmethod
+    def with_asked(state: Rest, i: int, asked: Asked) -> Rest:
+        """The state with other open requests of one client."""
+        return state._replace(asked=state.asked[:i] + (asked,) + state.asked[i + 1 :])
+
+    def timed_out(self, state: Rest, program: int) -> Rest:
+        """The state after the time-out of a `select` that waited for answers to a program."""
+        i = self.client_of[program]
+        is_overdue = bool(state.asked[i].requests)
+        return self.with_asked(state, i, state.asked[i]._replace(overdue=is_overdue))
+
+    def tidied(self, state: Rest) -> Rest:
+        """The state with as few open requests, and as small numbers, as make a difference."""
+        for i in range(len(self.clients)):
+            if not self.clients[i].is_node:
+                state, names = self.worth_keeping(state, i, self.names(state, i))
+                if any(old != new for old, new in names.items()):
+                    state = self.renamed(state, i, names)
+        return state
+
+    def worth_keeping(self, state: Rest, i: int, answerable: set) -> tuple[Rest, dict]:
+        """The state with those open requests of a program that make a difference, and the new names
+        of all. Behind one that can never be answered nothing can be received: the last request
+        alone can still be waited for."""
+        requests = state.asked[i].requests
+        lost = next(
+            (at for at, (one, kept) in enumerate(requests) if not kept and one not in answerable),
+            len(requests),
+        )
+        requests = requests[: lost + 1] + requests[lost + 1 :][-1:]
+        names: dict = {who: NOBODY for who in answerable if isinstance(who, int)}
+        names |= {one: at for at, (one, _) in enumerate(requests)}
+        numbered = tuple((at, kept) for at, (_, kept) in enumerate(requests))
+        return self.with_asked(state, i, state.asked[i]._replace(requests=numbered)), names
 
     def requested(self, state: Rest, request: tuple) -> Rest:
         """The state after a request came to the server."""
@@ -211,9 +293,36 @@ class Service:
     def reached(self, state: Rest, i: int, entry: Any) -> Rest:
         """The state after an answer came to a client."""
         answers, stands = state.clients[i]
-        if stands != WAITS:
-            return self.with_client(state, i, self.kept(answers + (entry,)), stands)
-        return state if entry == STRANGER else self.with_client(state, i, answers, DUE)
+        answers = self.kept(answers + (self.in_queue(i, entry),))
+        state = self.with_client(state, i, answers, stands)
+        return self.received(state, i) if stands == WAITS else state
+
+    def received(self, state: Rest, i: int) -> Rest:
+        """The state after a program looked for the answer to its oldest open request: those to its
+        other open ones are kept, and what is in front of it is thrown away."""
+        asked, queue = state.asked[i], state.clients[i][0]
+        oldest, kept = asked.requests[0] if asked.requests else (None, False)
+        while not kept and queue:
+            who, queue = queue[0], queue[1:]
+            kept = who == oldest
+            asked = asked.with_kept(who)
+        if kept:
+            asked = asked.without_oldest()
+        state = self.with_client(state, i, queue, DUE if kept else WAITS)
+        return self.with_asked(state, i, asked)
+
+    def last_received(self, state: Rest, i: int) -> Rest | None:
+        """The state after a program took the answer to its last request, and gave up all others;
+        None if it is not there."""
+        requests, queue = state.asked[i].requests, state.clients[i][0]
+        if not requests:
+            return None
+        last, kept = requests[-1]
+        if not kept and last not in queue:
+            return None
+        queue = queue if kept else queue[queue.index(last) + 1 :]
+        state = self.with_asked(state, i, Asked())
+        return self.with_client(state, i, queue, FREE)
 
     @staticmethod
     def own_answers(answers: tuple) -> tuple:
@@ -226,7 +335,7 @@ class Service:
 
     def give(self, state: Rest, program: int, action: Action) -> tuple[list, bool]:
         """The states after an input."""
-        requests, server, served, clients, _ = state
+        requests, server, served, clients, _, _ = state
         name = action[0]
         after = None
         if action[1]:
@@ -244,8 +353,7 @@ class Service:
         elif name == "receive":
             i = self.client_of[program]
             if clients[i] is not None and clients[i][1] == FREE:
-                answers = self.own_answers(clients[i][0])
-                after = self.with_client(state, i, answers[1:], DUE if answers else WAITS)
+                after = self.received(state, i)
         return [] if after is None else [(after, self.event(program, "?", name))], False
 
     def due(self, state: Rest, program: int) -> list:
@@ -261,6 +369,8 @@ class Service:
             after = None
             if stands == DUE:
                 after = self.with_client(state, i, answers, FREE)
+            elif stands == FREE:
+                after = self.last_received(state, i)
             elif self.clients[i].is_node and program in stands:
                 after = self.with_client(state, i, answers, stands - {program})
             if after is not None:
@@ -282,7 +392,11 @@ class Service:
         if name in ("send", "serve", "request"):
             return state.server in (FREE, WAITS)
         if name == "receive" or not is_input:
-            return all(output[0] != "answer" for output, _, _ in self.due(state, program))
+            i = self.client_of[program]
+            if state.clients[i] is None:
+                return True
+            stands = state.clients[i][1]
+            return program not in stands if self.clients[i].is_node else stands != DUE
         return all(client is None or client[1] != DUE for client in state.clients)
 
     def clients_among(self, programs: frozenset[int]) -> set[int]:
@@ -291,19 +405,17 @@ class Service:
 
     def died(self, state: Rest, programs: frozenset[int]) -> tuple[list, bool]:
         """The states after programs died."""
-        gone = self.clients_among(programs)
-
-        def for_nobody(request: Any) -> Any:
-            is_theirs = isinstance(request, tuple) and request[0] in gone
-            return (request[0], NOBODY) if is_theirs else request
-
-        requests = None if state.requests is None else tuple(map(for_nobody, state.requests))
-        clients = tuple(None if i in gone else one for i, one in enumerate(state.clients))
-        served = tuple(map(for_nobody, state.served))
-        state = Rest(requests, for_nobody(state.server), served, clients, state.there)
+        for i in self.clients_among(programs):
+            state = self.renamed(state, i, dict.fromkeys(self.names(state, i), NOBODY))
+            clients = state.clients[:i] + (None,) + state.clients[i + 1 :]
+            state = self.with_asked(state._replace(clients=clients), i, Asked())
         if programs & self.server:
-            there = state.there and self.is_watched
-            state = Rest(None, FREE, (None,) * len(served), clients, there)
+            state = state._replace(
+                requests=None,
+                server=FREE,
+                served=(None,) * len(state.served),
+                there=state.there and self.is_watched,
+            )
         return [state], False
 
     def gone(self, state: Rest) -> Rest | None:

@@ -79,26 +79,44 @@ class ServiceOnWires(Line, Service):
 
     # --- what programs do
 
+    def renamed(self, state: Calls, i: int, names: dict) -> Calls:
+        """The state with other names for those who asked at one client."""
+        state = state._replace(rest=self.rest.renamed(state.rest, i, names))
+        k = self.to_server(i)
+        line = tuple(((i, names.get(who, who)),) for ((_, who),) in state.lines[k])
+        state = self.with_line(state, k, line)
+        k = self.to_client(i)
+        line = tuple((self.in_queue(i, names.get(who, who)), by) for who, by in state.lines[k])
+        return self.with_line(state, k, line)
+
+    def names(self, state: Calls, i: int) -> set:
+        """Those of a client who may still be answered."""
+        found = self.rest.names(state.rest, i)
+        found |= {who for ((_, who),) in state.lines[self.to_server(i)]}
+        return found | {who for who, _ in state.lines[self.to_client(i)]}
+
+    def worth_keeping(self, state: Calls, i: int, answerable: set) -> tuple[Any, dict]:
+        """The state with those open requests that make a difference, and the new names of all."""
+        rest, names = self.rest.worth_keeping(state.rest, i, answerable)
+        return state._replace(rest=rest), names
+
+    def timed_out(self, state: Calls, program: int) -> Calls:
+        """The state after the time-out of a `select` that waited for answers to a program."""
+        return state._replace(rest=self.rest.timed_out(state.rest, program))
+
     def forgotten(self, state: Calls, program: int) -> Calls:
         """The state after nobody waits any more for what this copy of a callback asked for."""
         i = self.client_of.get(program)
         state = state._replace(rest=self.rest.forgotten(state.rest, program))
-        if i is None or not self.clients[i].is_node:
+        if i is None or not self.clients[i].is_node or state.rest.clients[i] is None:
             return state
-
-        def older(message: tuple) -> tuple:
-            return ((i, NOBODY),) if message == ((i, program),) else message
-
-        k = self.to_server(i)
-        state = self.with_line(state, k, tuple(map(older, state.lines[k])))
-        k = self.to_client(i)
-        line = tuple((NOBODY if who == program else who, by) for who, by in state.lines[k])
-        return self.with_line(state, k, line)
+        return self.renamed(state, i, {program: NOBODY})
 
     def sent(self, state: Calls, program: int) -> Calls:
         """The state after a request."""
         state = self.forgotten(state, program)
-        request = self.rest.request_of(program)
+        rest, request = self.rest.asked_by(state.rest, program)
+        state = state._replace(rest=rest)
         k = self.to_server(request[0])
         if self.wires[k].delivery == AT_ONCE:
             return state._replace(rest=self.rest.requested(state.rest, request))
