@@ -351,7 +351,7 @@ def smaller(document: dict) -> Iterable[dict]:
     if "variables" in document:
         yield {k: v for k, v in document.items() if k != "variables"}
     for name, entry in (document.get("models") or {}).items():
-        for key in ("when_unexplored", "ends"):
+        for key in ("when_unexplored", "ends", "with" if entry.get("use") == "mutex" else ""):
             if key in entry:
                 less = {k: v for k, v in entry.items() if k != key}
                 yield {**document, "models": {**document["models"], name: less}}

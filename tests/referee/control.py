@@ -24,6 +24,7 @@ from expressions import (
     variables_of,
 )
 from language import Refused, Statement
+from locks import Condition
 from wires import refuse_arms
 
 SILENT = {"assign", "enter", "branch", "jump", "label"}
@@ -58,6 +59,8 @@ class Node:
             for arm in self.arms:
                 found += [arm.next] if arm.outputs is None else [n for _, n in arm.outputs]
             return found
+        if self.kind == "wake" and self.late is not None:
+            return [self.next, self.late]
         return [] if self.kind in ("end", "finish", "unknown") else [self.next]
 
 
@@ -502,7 +505,50 @@ class Compiler:
             self.system.expects_values.add(model[0])
         return self.pattern(frame, pattern)
 
+    def condition(self, frame: Frame, reference: tuple) -> Condition | None:
+        """The condition that a reference names, which is used with its mutex; None if it names
+        something else."""
+        name, indices = self.model(frame, reference)
+        meant = self.system.meant((name, indices))
+        if len(meant) != 1 or not isinstance(meant[0], Condition):
+            return None
+        self.models.add(self.system.key_of(meant[0].mutex))
+        return meant[0]
+
+    def compile_sleep(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        condition = self.condition(frame, statement.model)
+        if condition is None:
+            raise Refused(f"{statement.model[0]} is no condition")
+        late = Node("retake", frame, condition=condition)
+        late.next = self.block(statement.body, frame, after)
+        return self.sleep(condition, statement, frame, after, late)
+
+    def sleep(
+        self,
+        condition: Condition,
+        statement: Statement,
+        frame: Frame,
+        after: Node,
+        late: Node | None,
+    ) -> Node:
+        """A node at which control begins to wait at a condition; `late` is that of its time-out."""
+        wake = Node("wake", frame, condition=condition, next=after, late=late)
+        place = statement.place
+        return Node("sleep", frame, place, condition=condition, next=wake)
+
     def compile_give(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        condition = self.condition(frame, statement.model)
+        if condition is not None:
+            name = statement.input
+            if name not in condition.inputs or statement.arguments or statement.pattern is not None:
+                raise Refused(f"{condition.name} has no {name} like this")
+            if statement.idle:
+                raise Refused(f"{condition.name}: no rest at a condition")
+            if name == "wait":
+                return self.sleep(condition, statement, frame, after, None)
+            model = (condition.name, [])
+            fields = {"model": model, "input": name, "arguments": [], "next": after}
+            return Node("give", frame, statement.place, **fields)
         given = self.given(statement, frame)
         if statement.pattern is not None:
             arms = [(self.checked(frame, given["model"], statement.pattern), after)]

@@ -292,7 +292,7 @@ def blocks_of(statement: Any) -> Iterable[list]:
     """The blocks directly inside a statement."""
     if statement.kind == "label":
         yield [statement.body]
-    elif statement.kind in ("loop", "repeat", "while", "for", "atomic"):
+    elif statement.kind in ("loop", "repeat", "while", "for", "atomic", "sleep"):
         yield statement.body
     elif statement.kind == "if":
         yield statement.body

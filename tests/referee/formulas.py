@@ -306,7 +306,10 @@ class Formulas:
             return self.event(node[1], node[2], node[3], node[4], node[5])
         if kind == "dot" and self.is_model(node[2]) and not self.is_presence(node):
             return self.event(node[1], node[2], "?", node[3], None)
-        return self.number(Comparison(self.leaf(node)))
+        leaf = self.leaf(node)
+        if leaf[0] == "value" and isinstance(leaf[1], bool):  # a service that is always there
+            return TRUE if leaf[1] else FALSE
+        return self.number(Comparison(leaf))
 
     def leaf(self, node: tuple) -> tuple:
         """An expression over variables of programs and of the file."""

@@ -210,6 +210,9 @@ class Parser:
         name, indices = self.reference()
         if self.sees("."):
             given = self.given((name, indices))
+            if given["input"] == "wait" and self.accept("timeout"):
+                self.expression()
+                return Statement("sleep", place, model=given["model"], body=self.block())
             pattern = self.pattern() if self.accept("->") else None
             self.expect(";")
             return Statement("give", place, **given, pattern=pattern, idle=False)

@@ -28,7 +28,8 @@ def is_error(control: Control) -> bool:
 class Step:
     """A step of a program: its name, what it leads to, and what fairness and formulas look at.
 
-    Of an arrival the program is the wire; a loss is no progress, as a death."""
+    Of an arrival the program is the wire; a loss is no progress, as a death, nor is to wake at a
+    condition that nobody notified."""
 
     program: Any
     label: tuple
@@ -233,6 +234,9 @@ class Program:
         read = values.__getitem__
         number = self.model(node.model, read)
         action = (node.input, tuple(evaluate(a, read) for a in node.arguments))
+        why = self.error_in(number, action, world)
+        if why is not None:
+            return [self.mistake((number, "?", action), node.place, why, world)]
         after, cut = self.system.uses[number].give(world[0][number], self.number, action)
         found = [
             self.gave((number, "?", action, event[2]), node, values,
@@ -240,6 +244,52 @@ class Program:
             for state, event in after
         ]
         return found + self.cuts((number, "?", action), cut)
+
+    def error_in(self, number: int, action: tuple, world: World) -> str | None:
+        """Why an input is an error of the program; None if it is none."""
+        use = self.system.uses[number]
+        has_errors = hasattr(use, "mistake")
+        return use.mistake(world[0][number], self.number, action) if has_errors else None
+
+    def steps_sleep(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        condition, lock = node.condition, node.condition.mutex
+        number = self.system.uses.index(condition)
+        label = (number, "?", ("wait", ()))
+        try:
+            given_back = self.system.uses[lock].given_back(world[0][lock], self.number)
+        except Mistake as mistake:
+            return [self.mistake(label, node.place, mistake, world)]
+        if given_back is None:
+            return []
+        waiting = condition.with_waiting(world[0][number], self.number)
+        after = self.with_model(self.with_model(world, number, waiting), lock, given_back)
+        event = condition.event(self.number, "wait")
+        return [self.step(label, node.next, values, after, events=(event,))]
+
+    def steps_wake(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        """It wakes as it was notified, or by itself, which is no progress; or its time is over."""
+        number = self.system.uses.index(node.condition)
+        is_notified = dict(world[0][number])[self.number]
+        woken = node.condition.without(world[0][number], self.number)
+        world = self.with_model(world, number, woken)
+        found = self.taken_again(node, values, world, ("wakes", is_notified), not is_notified)
+        if node.late is not None and not is_notified:
+            found.append(self.step(("timeout",), node.late, values, world))
+        return found
+
+    def steps_retake(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        return self.taken_again(node, values, world, ("retakes",), False)
+
+    def taken_again(
+        self, node: Node, values: dict, world: World, label: tuple, by_itself: bool
+    ) -> list[Step]:
+        """The step in which the mutex of a condition is taken again."""
+        lock = node.condition.mutex
+        taken = self.system.uses[lock].taken_again(world[0][lock], self.number)
+        if taken is None:
+            return []
+        after = self.with_model(world, lock, taken)
+        return [self.step(label, node.next, values, after, death=by_itself)]
 
     def gave(
         self, label: tuple, node: Node, values: dict, world: World, number: int, **more: Any
@@ -519,6 +569,9 @@ class Program:
                     found.append(step)
             return found
         label = ("arm", arm.number, given)
+        why = self.error_in(number, given, world)
+        if why is not None:
+            return [self.mistake(label, mark, why, world, arm=mark)]
         if arm.outputs is None:
             after_all, cut = use.give(state, self.number, given)
             for after, event in after_all:

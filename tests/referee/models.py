@@ -253,17 +253,17 @@ class Automaton(Model):
 
 
 class Semaphore(Model):
-    """The state is how often it can still be acquired; a mutex is one of 1 with other names."""
+    """The state is how often it can still be acquired."""
 
-    def __init__(self, count: int, take: str, give: str) -> None:
+    input_names = {"acquire", "release"}
+
+    def __init__(self, count: int) -> None:
         self.initial = self.count = count
-        self.take_name, self.give_name = take, give
-        self.input_names = {take, give}
 
     def steps(self, state: int, action: Action) -> list[int]:
-        if action == (self.take_name, ()):
+        if action == ("acquire", ()):
             return [state - 1] if state > 0 else []
-        return [state + 1] if action == (self.give_name, ()) and state < self.count else []
+        return [state + 1] if action == ("release", ()) and state < self.count else []
 
 
 NULL = "null"  # what is due to a `tryread` of an empty queue
@@ -330,10 +330,8 @@ def model_of(description: dict, folder: str, constant: Any) -> Model:
         return Automaton(path)
     options = description.get("with") or {}
     kind = description.get("use")
-    if kind == "mutex":
-        return Semaphore(1, "lock", "unlock")
     if kind == "semaphore":
-        return Semaphore(constant(options["count"]), "acquire", "release")
+        return Semaphore(constant(options["count"]))
     if kind == "queue":
         drops = "depth" in options
         return Queue(constant(options["depth" if drops else "size"]), drops)

@@ -33,6 +33,7 @@ from language import (
     parse_program,
     parse_reference,
 )
+from locks import Condition, Mutex
 from machine import Program
 from models import Automaton, Model, Queue, model_of
 from nodes import (
@@ -361,6 +362,8 @@ class System:
             name, array = self.declare_array(header)
             policy = description.get("when_unexplored", "stop")
             for index, scope in array:
+                if self.add_lock(name, index, description):
+                    continue
                 model = self.model_at(name, description, scope)
                 ends: dict[int, dict] = {}
                 mortal: list[End] = []
@@ -385,6 +388,39 @@ class System:
                     continue
                 entry_of = {p: e for e, programs in enumerate(entries) for p in programs}
                 self.add_use(name, index, ModelOnWires(*arguments, wires, entry_of))
+        for condition in (use for use in self.uses if isinstance(use, Condition)):
+            condition.mutex = self.numbers.get((condition.mutex, ()), -1)
+            if condition.mutex < 0 or not isinstance(self.uses[condition.mutex], Mutex):
+                raise Refused(f"{condition.name}: no mutex of this name")
+
+    def add_lock(self, name: str, index: tuple, description: dict) -> bool:
+        """Gives a mutex or condition its number; whether it is one."""
+        kind, options = description.get("use"), description.get("with") or {}
+        if kind == "mutex":
+            if not set(options) <= {"recursive"}:
+                raise Refused(f"{name}: {options}")
+            threads = None
+            if options.get("recursive", False):
+                threads = [self.thread_of(n) for n in range(len(self.texts))]
+            self.add_use(name, index, Mutex(member_name(name, index), threads))
+            return True
+        if kind == "condition":
+            if index or set(options) != {"mutex"}:
+                raise Refused(f"{name}: {options}")
+            self.add_use(name, index, Condition(name, options["mutex"]))
+            return True
+        return False
+
+    def thread_of(self, program: int) -> Any:
+        """The thread that runs a program: all code but threads that runs in turn on one executor is
+        on one."""
+        callback = self.texts[program].callback
+        if callback is None or callback.kind == "thread":
+            return program
+        executor = callback.node.executor
+        if executor.threads == 1:
+            return executor
+        return ("start", executor) if callback.kind == "start" else program
 
     def read_topics(self) -> None:
         """Reads the topics."""
@@ -516,6 +552,10 @@ class System:
         """The index ranges of an array of models; none for a single one."""
         return self.array_ranges[name]
 
+    def key_of(self, number: int) -> tuple[str, tuple]:
+        """The name and the indices of a model."""
+        return next(key for key, other in self.numbers.items() if other == number)
+
     def model_number(self, name: str, index: tuple) -> int:
         """The number of a model; a mistake if the index is outside of the array."""
         number = self.numbers.get((name, index))
@@ -628,6 +668,8 @@ class System:
         """Whether outputs of the same actor as this input are there."""
         for (base, _), number in self.numbers.items():
             if base == name:
+                if isinstance(self.uses[number], Mutex):
+                    return given == "trylock"
                 for model in models_of(self.uses[number]):
                     if any(model.same_actor(given, output) for output in model.output_names):
                         return True
