@@ -291,7 +291,10 @@ class Compiler:
     def statement(self, statement: Statement, frame: Frame, after: Node) -> Node:
         """The first node of a statement, behind which control goes on at `after`."""
         if self.code is not None and getattr(statement, "idle", False):
-            raise Refused("a callback does not rest")
+            waits = statement.kind == "sleep" or getattr(statement, "input", None) == "wait"
+            is_condition = waits and self.condition(frame, statement.model) is not None
+            if self.code.kind != "thread" or not is_condition:
+                raise Refused("a callback does not rest")
         return getattr(self, "compile_" + statement.kind)(statement, frame, after)
 
     def compile_label(self, statement: Statement, frame: Frame, after: Node) -> Node:
@@ -533,8 +536,9 @@ class Compiler:
     ) -> Node:
         """A node at which control begins to wait at a condition; `late` is that of its time-out."""
         wake = Node("wake", frame, condition=condition, next=after, late=late)
-        place = statement.place
-        return Node("sleep", frame, place, condition=condition, next=wake)
+        node = Node("sleep", frame, statement.place, condition=condition, next=wake)
+        wake.idle = node.idle = statement.idle
+        return node
 
     def compile_give(self, statement: Statement, frame: Frame, after: Node) -> Node:
         condition = self.condition(frame, statement.model)
@@ -542,10 +546,10 @@ class Compiler:
             name = statement.input
             if name not in condition.inputs or statement.arguments or statement.pattern is not None:
                 raise Refused(f"{condition.name} has no {name} like this")
-            if statement.idle:
-                raise Refused(f"{condition.name}: no rest at a condition")
             if name == "wait":
                 return self.sleep(condition, statement, frame, after, None)
+            if statement.idle:
+                raise Refused(f"{condition.name}: no rest at {name}")
             model = (condition.name, [])
             fields = {"model": model, "input": name, "arguments": [], "next": after}
             return Node("give", frame, statement.place, **fields)

@@ -190,7 +190,7 @@ class Parser:
             target = body
             while target.kind == "label":
                 target = target.body
-            if target.kind not in ("give", "wait", "select", "switch"):
+            if target.kind not in ("give", "wait", "select", "switch", "sleep"):
                 self.fail("a statement that waits, behind 'idle',")
             target.idle = True
             return body
@@ -212,7 +212,8 @@ class Parser:
             given = self.given((name, indices))
             if given["input"] == "wait" and self.accept("timeout"):
                 self.expression()
-                return Statement("sleep", place, model=given["model"], body=self.block())
+                model = given["model"]
+                return Statement("sleep", place, model=model, body=self.block(), idle=False)
             pattern = self.pattern() if self.accept("->") else None
             self.expect(";")
             return Statement("give", place, **given, pattern=pattern, idle=False)

@@ -45,6 +45,7 @@ TRIES = "switch m.trylock { yes { @in m.unlock; } no { @out skip; } }"
 PICKS = "select { on m.trylock { yes { m.unlock; } no { } } }"
 WAITS = "m.lock; cv.wait; m.unlock;"
 READS = "m.lock; while (!ready) { cv.wait; } m.unlock;"
+ONCE = "m.lock; if (!ready) { cv.wait; } m.unlock;"
 SETS = "m.lock; ready = true; m.unlock; "
 STRONG = '{{ltl: "F {0}", fairness: strong}}'
 
@@ -54,6 +55,7 @@ executors: {{e: {executor}}}
 nodes:
   n:
     executor: e
+    groups: {{other: exclusive}}
     variables: "var set: bool;"
     callbacks:
       a: {{timer: once 1, do: "m.lock; set = true;"}}
@@ -116,12 +118,21 @@ CASES = [
     # Start, lock, end of each.
     Case("one thread holds it in two callbacks", TURNS.format(executor=SINGLE), RUNS, {},
          [(7, 6)]),
-    Case("two callbacks of two threads", TURNS.format(executor=threads(2)), FAILS, {}, [(6, 5)]),
+    Case("two callbacks of a group", TURNS.format(executor=threads(2)), RUNS, {}, [(7, 6)]),
+    Case("two callbacks of two groups", TURNS.format(executor=threads(2)).replace(
+        "b: {timer: once 1", "b: {timer: once 1, group: other"), FAILS),
     locks("a dead program holds it", {"p": '{do: "m.lock; m.unlock;", may_die: true}',
                                       "q": "m.lock; m.unlock;"}, HANGS),
     # Lock, wait, wake by itself, unlock.
     alone("nobody wakes it", WAITS, {**HANGS, "stuck": "holds", "can": "holds", "does": "violated"},
           [(5, 4)], can='{possible: "p@end"}', does='{ltl: "F p@end", fairness: strong}'),
+    alone("nobody wakes it, and it rests", WAITS.replace("cv", "idle cv"), RUNS, [(5, 4)]),
+    locks("late, it does not rest", {"p": "m.lock; idle cv.wait timeout 5 { } m.unlock;",
+                                     "q": "m.lock;"}, HANGS),
+    alone("what happens at a condition", "m.lock; @before cv.wait; @behind m.unlock;",
+          {"back": "holds", "again": "holds", "both": "violated"}, None,
+          back='"G (p:m.unlock -> p:cv.wait || p@end)"', again='"G (p@behind -> p:m.lock)"',
+          both='"G !(cv.wait && m.unlock)"'),
     locks("nobody wakes it, and another goes on", {"p": WAITS, "q": "loop { m.lock; m.unlock; }"},
           {"deadlock": "holds", "stuck": "violated"}),
     alone("it waits and holds nothing", "cv.wait;", FAILS, [(2, 1)]),
@@ -133,9 +144,12 @@ CASES = [
     alone("a time-out", "m.lock; cv.wait timeout 5 { @late skip; } m.unlock;",
           {**RUNS, "late": "holds", "not": "holds"}, [(7, 7)],
           late='{possible: "p@late"}', **{"not": '{possible: "p@end"}'}),
-    # It is not the mutex' last lock that is given back.
+    # It is not the mutex' last lock that is given back, and it is taken again; but not by others.
     alone("one of two locks is given back",
-          "m.lock; m.lock; cv.wait timeout 5 { } m.unlock; m.unlock;", HANGS, [(5, 4)], True),
+          "m.lock; m.lock; cv.wait timeout 5 { } m.unlock; m.unlock;", RUNS, [(8, 8)], True),
+    locks("a lock is kept by who waits", {"p": "m.lock; m.lock; cv.wait; m.unlock; m.unlock;",
+                                          "q": "m.lock; cv.notify_one; m.unlock;"}, HANGS, None,
+          True),
     locks("a notification is lost", {"p": WAITS, "q": "cv.notify_one;"}, HANGS),
     locks("it looks before it waits", {"p": READS, "q": SETS + "cv.notify_one;"},
           {**RUNS, "got": "holds", "waits": "holds"}, None,
@@ -159,10 +173,14 @@ CASES = [
           {"weak": "violated", "strong": "holds"}, None,
           weak='"F q@end"', strong=STRONG.format("q@end")),
     Case("a callback waits on the only thread",
-         CALLBACKS.format(executor=SINGLE, waits=READS, sets=SETS), HANGS),
+         CALLBACKS.format(executor=SINGLE, waits=ONCE, sets=SETS), HANGS),
     Case("a callback waits on one of two threads",
-         CALLBACKS.format(executor=threads(2), waits=READS, sets=SETS), RUNS),
+         CALLBACKS.format(executor=threads(2), waits=ONCE, sets=SETS), RUNS),
     Case("a thread waits", THREADS.format(waits=READS, sets=SETS, notify="notify_all"), RUNS),
+    Case("one of two threads is notified, and the other rests", THREADS.format(
+        waits=READS.replace("cv", "idle cv"), sets=SETS, notify="notify_one"), RUNS),
+    Case("no callback rests at a condition", CALLBACKS.format(
+        executor=SINGLE, waits=ONCE.replace("cv", "idle cv"), sets=SETS), None),
     Case("one of two threads is notified",
          THREADS.format(waits=READS, sets=SETS, notify="notify_one"), HANGS),
     alone("no condition in a select", "select { on cv.notify_one { } }", None),

@@ -50,6 +50,10 @@ class Mutex:
         if name not in self.outputs:
             raise Refused(f"{self.name} has no output {name}")
 
+    def event(self, program: int, name: str) -> tuple:
+        """The event of an input that a program gives."""
+        return (program, self.name, None, "?", (name, ()))
+
     def locked(self, state: tuple, program: int) -> tuple | None:
         """The state after `lock`; None if it waits."""
         who, times, _ = state
@@ -130,8 +134,8 @@ class Mutex:
         return self.after(state, program, ("unlock", ()))
 
     def taken_again(self, state: tuple, program: int) -> tuple | None:
-        """The state after a free mutex was taken; None if it is not free."""
-        return (self.holder(program), 1, None) if state == FREE else None
+        """The state after it was taken; None if that waits. What was given back can be taken."""
+        return self.after(state, program, ("lock", ()))
 
 
 class Condition:

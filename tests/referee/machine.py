@@ -263,8 +263,9 @@ class Program:
             return []
         waiting = condition.with_waiting(world[0][number], self.number)
         after = self.with_model(self.with_model(world, number, waiting), lock, given_back)
-        event = condition.event(self.number, "wait")
-        return [self.step(label, node.next, values, after, events=(event,))]
+        unlocks = self.system.uses[lock].event(self.number, "unlock")
+        events = (condition.event(self.number, "wait"), unlocks)
+        return [self.step(label, node.next, values, after, events=events)]
 
     def steps_wake(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         """It wakes as it was notified, or by itself, which is no progress; or its time is over."""
@@ -289,7 +290,8 @@ class Program:
         if taken is None:
             return []
         after = self.with_model(world, lock, taken)
-        return [self.step(label, node.next, values, after, death=by_itself)]
+        events = (self.system.uses[lock].event(self.number, "lock"),)
+        return [self.step(label, node.next, values, after, events=events, death=by_itself)]
 
     def gave(
         self, label: tuple, node: Node, values: dict, world: World, number: int, **more: Any

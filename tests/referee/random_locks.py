@@ -49,7 +49,14 @@ class LockMaker(PresenceMaker):
         text = "\n".join(lines)
         self.atoms += [f"{name}!{answer}" for name in self.recursive for answer in ("yes", "no")
                        if f"{name}.trylock" in text]  # fmt: skip
+        self.atoms = [atom for atom in self.atoms if self.is_there(atom, text)]
         return "\n".join(lines + self.properties()) + "\n"
+
+    @staticmethod
+    def is_there(atom: str, text: str) -> bool:
+        """Whether the label that an atom names is there: some were left out."""
+        label = atom.partition("@")[2]
+        return label in ("", "end") or f"@{label} " in text
 
     def entry_of(self, key: str, code: list[str]) -> list[str]:
         """A key and its code, a statement a line, which are easier to leave out."""
@@ -206,7 +213,7 @@ class LockMaker(PresenceMaker):
                 lines += self.lock_action(0)
             elif kind == "again":
                 if self.chance(0.08):
-                    return [f"{mark}repeat {rng.choice([7, 8])} {{ {mutex}.lock; }}"]
+                    return [*lines, f"{mark}repeat {rng.choice([7, 8])} {{ {mutex}.lock; }}"]
                 inner = " ".join([self.lock_set()] * self.chance(0.4))
                 if self.chance(0.25):
                     arms = f"yes {{ {inner} {mutex}.unlock; }} no {{ }}"
@@ -228,10 +235,15 @@ class LockMaker(PresenceMaker):
 
     def lock_wait(self, condition: str) -> str:
         """A wait at a condition, for something most of the time."""
-        wait = f"{condition}.wait;"
+        is_thread = self.place.split(".")[-1] in self.threads
+        may_loop = "." not in self.place or is_thread
+        idle = "idle " if may_loop and self.chance(0.15) else ""
+        wait = f"{idle}{condition}.wait;"
         if self.chance(0.3):
             late = self.rng.choice(["", "", self.lock_set(), f"{self.lock_mark()}skip;", "stop;"])
-            wait = f"{condition}.wait timeout 5 {{ {late} }}"
+            wait = f"{idle}{condition}.wait timeout 5 {{ {late} }}"
+        # Code of callbacks that may go round for ever: Maide does not look what it keeps from
+        # starting.
         if self.chance(0.6):
-            return f"while ({self.lock_test()}) {{ {wait} }}"
+            return f"{'while' if may_loop else 'if'} ({self.lock_test()}) {{ {wait} }}"
         return wait

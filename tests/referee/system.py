@@ -412,15 +412,18 @@ class System:
         return False
 
     def thread_of(self, program: int) -> Any:
-        """The thread that runs a program: all code but threads that runs in turn on one executor is
-        on one."""
+        """What stands for the thread that runs a program: all code but threads that runs in turn on
+        one executor, or in an exclusive group, is on one."""
         callback = self.texts[program].callback
         if callback is None or callback.kind == "thread":
             return program
         executor = callback.node.executor
         if executor.threads == 1:
             return executor
-        return ("start", executor) if callback.kind == "start" else program
+        if callback.kind == "start":
+            return ("start", executor)
+        name, is_exclusive = callback.group
+        return (callback.node, name) if is_exclusive else program
 
     def read_topics(self) -> None:
         """Reads the topics."""
