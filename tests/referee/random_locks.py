@@ -31,6 +31,7 @@ class LockMaker(PresenceMaker):
             self.conditions[name] = mutex
             lines.append(f"  {name}: {{use: condition, with: {{mutex: {mutex}}}}}")
             self.atoms += [f"{name}.wait", f"{name}.notify_one", f"{name}.notify_all"]
+            self.atoms += [f"({name}.wait && {mutex}.unlock)"]
         lines.append(f'variables: "{" ".join(f"var {flag}: bool;" for flag in self.flags)}"')
         self.atoms += self.flags
         has_node = self.chance(0.35)
@@ -42,7 +43,7 @@ class LockMaker(PresenceMaker):
             self.place = name
             self.atoms += [f"{name}@end"] * 2
             code = self.lock_program()
-            if self.chance(0.12):
+            if self.chance(0.2):
                 lines += [f"  {name}:", "    may_die: true", *self.entry_of("    do", code)]
             else:
                 lines += self.entry_of(f"  {name}", code)
@@ -70,7 +71,8 @@ class LockMaker(PresenceMaker):
         node, executor = self.new("n"), self.new("e")
         has_threads = self.chance(0.4)
         may_die = not has_threads and self.chance(0.2)
-        lines = [f"executors: {{{executor}: {rng.choice(MORTAL if may_die else EXECUTORS)}}}"]
+        options = MORTAL if may_die else [*EXECUTORS, "{kind: multi, threads: 2}"]
+        lines = [f"executors: {{{executor}: {rng.choice(options)}}}"]
         lines += ["nodes:", f"  {node}:", f"    executor: {executor}"]
         groups = [self.new("g")] if self.chance(0.6) else []
         for group in groups:
@@ -82,10 +84,14 @@ class LockMaker(PresenceMaker):
             runs = [f"run {thread};" for thread in self.threads if self.chance(0.4)]
             lines += self.entry_of("    start", [*self.lock_action(1), *runs])
         lines.append("    callbacks:")
-        for _ in range(rng.choice([1, 1, 2])):
+        held = [name for name, is_recursive in self.recursive.items() if is_recursive]
+        parted = rng.choice(held) if held and self.chance(0.4) else None
+        for number in range(2 if parted else rng.choice([1, 1, 2])):
             name = self.new("b")
             self.place = f"{node}.{name}"
             code = self.lock_code(rng.choice([1, 1, 2]))
+            if parted is not None:  # one locks, and the other unlocks
+                code.insert(number, [f"{parted}.lock;", f"{parted}.unlock;"][number])
             if self.threads and self.chance(0.6):
                 code.insert(0, f"run {rng.choice(self.threads)};")
                 code += [f"join {self.threads[0]};"] * self.chance(0.3)
