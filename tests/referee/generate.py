@@ -12,7 +12,7 @@ import random
 import re
 from pathlib import Path
 
-from random_locks import LockMaker
+from random_calls import CallMaker
 from random_models import Known, Place
 
 KINDS = [
@@ -22,13 +22,13 @@ KINDS = [
 
 
 # Kinds of what Maide does not know yet: the comparison makes them where it is asked to.
-AHEAD = ["presence", "locks"]
+AHEAD = ["presence", "calls", "locks"]
 
 # What else a system of the kind `wires` may be, for the rest of them.
 WIRED = ["topics", "services", "nodes", "nodes", "death", "builtins"]
 
 
-class Generator(LockMaker):
+class Generator(CallMaker):
     """Makes one system."""
 
     # --- properties
@@ -285,6 +285,8 @@ def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
         generator.is_wired = is_wired or kind == "presence" and rng.random() < 0.2
         if kind == "presence":
             text = generator.presence_system()
+        elif kind == "calls":
+            text = generator.call_system()
         elif kind == "locks":
             text = generator.lock_system()
         else:

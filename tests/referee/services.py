@@ -52,9 +52,12 @@ class Asked(NamedTuple):
     overdue: bool = False  # a time-out came while all of these were open: `send` gives them up
 
     def without_oldest(self) -> Asked:
-        """The same after the oldest was answered."""
-        rest = self.requests[1:]
-        return Asked(rest, self.overdue and bool(rest))
+        """The same when the answer to the oldest is due."""
+        return self._replace(requests=self.requests[1:])
+
+    def after_taking(self) -> Asked:
+        """The same after that answer was taken."""
+        return self._replace(overdue=self.overdue and bool(self.requests))
 
     def with_kept(self, number: int) -> Asked:
         """The same after the answer to one was kept; to one that is not open it is thrown away."""
@@ -162,8 +165,9 @@ class Service:
         return entries[-self.depth :]
 
     def with_client(self, state: Rest, i: int, answers: tuple, stands: Any) -> Rest:
-        """The state with another queue of one client, without strangers' answers in its front: they
-        are thrown away before anything is taken, and push nothing out."""
+        """The state with another queue of one client, without the answers in its front that are
+        strangers', or to requests that a program gave up: they are thrown away before anything is
+        taken, and push nothing out."""
         clients = state.clients
         client = (self.what_counts(i, answers), stands)
         return state._replace(clients=clients[:i] + (client,) + clients[i + 1 :])
@@ -171,6 +175,10 @@ class Service:
     def what_counts(self, i: int, answers: tuple) -> tuple:
         """The part of a client's queue that makes a difference. An executor with rounds looks
         whether there is anything in it; over Fast DDS it takes each answer by itself."""
+        if not self.clients[i].is_node:
+            while answers and answers[0] in (STRANGER, NOBODY):
+                answers = answers[1:]
+            return answers
         if not self.clients[i].looked_at:
             return self.own_answers(answers)
         if self.one_by_one:
@@ -192,12 +200,8 @@ class Service:
         if state.clients[i] is None:
             return state
         answers, stands = state.clients[i]
-        answers = tuple(self.in_queue(i, names.get(who, who)) for who in answers)
+        answers = tuple(names.get(who, who) for who in answers)
         return self.with_client(state, i, answers, stands)
-
-    def in_queue(self, i: int, who: Any) -> Any:
-        """What an answer is to a client: a program throws away what answers nobody any more."""
-        return STRANGER if who == NOBODY and not self.clients[i].is_node else who
 
     def names(self, state: Rest, i: int) -> set:
         """Those of a client who may still be answered."""
@@ -293,7 +297,7 @@ class Service:
     def reached(self, state: Rest, i: int, entry: Any) -> Rest:
         """The state after an answer came to a client."""
         answers, stands = state.clients[i]
-        answers = self.kept(answers + (self.in_queue(i, entry),))
+        answers = self.kept(answers + (entry,))
         state = self.with_client(state, i, answers, stands)
         return self.received(state, i) if stands == WAITS else state
 
@@ -369,6 +373,7 @@ class Service:
             after = None
             if stands == DUE:
                 after = self.with_client(state, i, answers, FREE)
+                after = self.with_asked(after, i, after.asked[i].after_taking())
             elif stands == FREE:
                 after = self.last_received(state, i)
             elif self.clients[i].is_node and program in stands:

@@ -86,7 +86,7 @@ class ServiceOnWires(Line, Service):
         line = tuple(((i, names.get(who, who)),) for ((_, who),) in state.lines[k])
         state = self.with_line(state, k, line)
         k = self.to_client(i)
-        line = tuple((self.in_queue(i, names.get(who, who)), by) for who, by in state.lines[k])
+        line = tuple((names.get(who, who), by) for who, by in state.lines[k])
         return self.with_line(state, k, line)
 
     def names(self, state: Calls, i: int) -> set:
