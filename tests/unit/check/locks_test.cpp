@@ -58,7 +58,8 @@ std::string two_wait(const std::string& notification) {
 }
 
 // A driver: its thread reads, its callback waits until something was read.
-std::string driver(const std::string& callback, const std::string& executor) {
+std::string driver(const std::string& callback, const std::string& executor,
+                   const std::string& group = "") {
   return R"yaml(
 topics: {goal: {writers: world, readers: robot, use: queue, with: {depth: 1}}}
 models:
@@ -70,10 +71,11 @@ executors: {main: )yaml" +
 nodes:
   robot:
     executor: main
+    groups: {own: exclusive}
     variables: "var data: bool;"
     callbacks:
-      on_goal: {takes: goal.read, do: ")yaml" +
-         callback + R"yaml("}
+      on_goal: {takes: goal.read)yaml" +
+         group + R"yaml(, do: ")yaml" + callback + R"yaml("}
       tick: {timer: once 10, do: "m.lock; data = true; m.unlock; cv.notify_all;"}
     threads:
       reader: "m.lock; while (!data) { idle cv.wait; } @read skip; m.unlock;"
@@ -144,6 +146,14 @@ const test::VerdictCase lock_systems[] = {
     {"all_are_told", "deadlock", H, two_wait("notify_all")},
     {"driver_on_one_thread", "deadlock", V, driver(until_data, "{kind: single}")},
     {"driver_with_time_out", "deadlock", H, driver(with_time_out, "{kind: single}")},
+    {"driver_in_two_groups", "deadlock", H,
+     driver(until_data, "{kind: multi, threads: 2}", ", group: own")},
+    // Its loop ends on fair runs.
+    {"driver_in_two_groups", "stuck", H,
+     driver(until_data, "{kind: multi, threads: 2}", ", group: own")},
+    {"driver_goes_round", "stuck", "inconclusive",
+     driver("while (!data) { m.lock; m.unlock; data = false; } @got skip;",
+            "{kind: multi, threads: 2}", ", group: own")},
     {"driver_in_one_group", "deadlock", V, driver(until_data, "{kind: multi, threads: 2}")},
 };
 
@@ -173,8 +183,7 @@ TEST(Locks, SlipsAreNamedWithTheirPlace) {
       "a condition has one mutex: say which (s.yaml:1:75)");
   EXPECT_EQ(error_of("m: {use: mutex}, cv: {use: condition, with: {mutex: m}}",
                      "select { on cv.wait { } }"),
-            "the `wait` of a condition stands alone: it gives its mutex back, and waits "
-            "(s.yaml:2:31)");
+            "'wait' of a condition is no arm: it stands alone (s.yaml:2:31)");
   EXPECT_EQ(error_of("m: {use: mutex}, cv: {use: condition, with: {mutex: m}}",
                      "switch cv.wait { quiet { } }"),
             "the `wait` of a condition brings nothing: write `cv.wait;` (s.yaml:2:26)");

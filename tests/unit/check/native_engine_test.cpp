@@ -555,6 +555,20 @@ TEST(NativeEngine, WhatIsPutOffMustBePossibleAfterEachOutcome) {
   EXPECT_EQ(check(system, system.properties[0], options).verdict, Verdict::violated);
 }
 
+// The formula goes on before the system does, and by itself: no step of the run.
+TEST(NativeEngine, AFormulaThatMovesAloneIsNoStep) {
+  const System system = parse_system(
+      "models: {m: {use: mutex}}\nprograms: {p: \"@l m.lock; m.lock;\"}\n"
+      "properties:\n  both: {ltl: \"(G true) && (G F p@l)\", fairness: none}\n"
+      "  either: {ltl: \"(G F true) R (G F p@l)\", fairness: none}\n",
+      "s.yaml", test::test_model);
+  for (const Property& property : system.properties) {
+    const PropertyResult result = check(system, property);
+    EXPECT_EQ(result.verdict, Verdict::violated) << property.name << result.reason;
+    EXPECT_EQ(result.trace->steps.size(), 1u) << property.name;
+  }
+}
+
 TEST(NativeEngine, IndependentProgramsTakeTheirStepsInOneOrder) {
   EngineOptions options;
   options.reduction = Reduction::order;

@@ -532,8 +532,8 @@ SelectArm CodeResolver::resolve_select_arm(const syntax::SelectArm& from) {
     case From::input:
       arm.kind = To::input;
       arm.model = events_.model(from.model);
-      if (events_.is_condition(arm.model) && from.event.name.is("wait")) {
-        names_.fail("the `wait` of a condition stands alone: it gives its mutex back, and waits",
+      if (events_.is_condition(arm.model)) {
+        names_.fail("'" + from.event.name.text + "' of a condition is no arm: it stands alone",
                     from.event.name.place);
       }
       arm.event = events_.input(arm.model, from.event);

@@ -184,6 +184,7 @@ class FairCycleSearch {
     State node;
     std::size_t before = 0;
     std::uint32_t code = 0;  // of the step
+    bool is_step = false;    // else it is a first node, or the monitor alone went on
   };
 
   void search_nearest() {
@@ -191,15 +192,15 @@ class FairCycleSearch {
     const auto waits = [this](const State& node) {
       return graph_.monitor().is_waiting(graph_.monitor_state(node));
     };
-    const auto see = [&](const State& node, std::size_t before, std::uint32_t code) {
+    const auto see = [&](const State& node, std::size_t before, std::uint32_t code, bool is_step) {
       if (!graph_.insert(node).is_new) return;
       is_dead_.push_back(true);  // no cycle with every mark passes there
       is_on_path_.push_back(false);
-      reached.push_back({node, before, code});
+      reached.push_back({node, before, code, is_step});
     };
     for (const State& node : graph_.first_nodes()) {
       if (waits(node)) {
-        see(node, 0, 0);
+        see(node, 0, 0, false);
       } else if (search_from(node)) {
         return;
       }
@@ -209,7 +210,7 @@ class FairCycleSearch {
       edges = graph_.edges_of(reached[at].node);
       for (const Edge& edge : edges) {
         if (waits(edge.target)) {
-          see(edge.target, at, edge.code);
+          see(edge.target, at, edge.code, edge.is_step);
         } else if (search_from(edge.target)) {
           if (result_.trace) put_in_front(way_to(reached, at, edge));
           return;
@@ -223,6 +224,7 @@ class FairCycleSearch {
     Trace way;
     if (last.is_step) way.steps.push_back(graph_.steps().undo(last.target, last.code).step);
     for (; at != 0; at = reached[at].before) {
+      if (!reached[at].is_step) continue;
       way.steps.push_back(graph_.steps().undo(reached[at].node, reached[at].code).step);
     }
     std::ranges::reverse(way.steps);

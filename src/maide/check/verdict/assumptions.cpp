@@ -86,47 +86,6 @@ bool depends_on_fairness(const Property& property) {
   return property.kind == Property::Kind::ltl && !is_syntactically_safe(property.formula);
 }
 
-// Where the code of a callback may go round for ever: cycles without the end of a callback, and
-// without a look for others. A step that cuts the run goes nowhere.
-std::set<int> find_endless_lines(const System& system, const Program& program) {
-  const auto cuts_run = [&](const ProgramEdge& edge) {
-    const auto uses = program.uses_of(edge);
-    return std::ranges::any_of(uses, [&](const ModelUse& use) {
-      if (use.kind != ModelUse::Kind::act) return false;
-      const auto& steps = system.models[use.model].actions[use.index].steps;
-      return std::ranges::all_of(steps, [](const auto& of_state) {
-        return std::ranges::all_of(of_state, &ModelStep::is_beyond);
-      });
-    });
-  };
-  std::vector<std::uint8_t> seen(program.states.size(), 0);  // 1 on the path, 2 done
-  std::vector<std::pair<ControlState, std::uint32_t>> path;
-  std::set<int> lines;
-  for (ControlState start = 0; start < program.states.size(); ++start) {
-    if (seen[start] != 0) continue;
-    path.emplace_back(start, 0);
-    seen[start] = 1;
-    while (!path.empty()) {
-      auto& [state, next] = path.back();
-      const auto edges = program.edges_of(state);
-      if (next == edges.size()) {
-        seen[state] = 2;
-        path.pop_back();
-        continue;
-      }
-      const ProgramEdge& edge = edges[next++];
-      const CombinedStep::Role role = program.role_of(edge);
-      if (role == CombinedStep::Role::end || role == CombinedStep::Role::look || cuts_run(edge))
-        continue;
-      if (seen[edge.target] == 1) lines.insert(edge.line);
-      if (seen[edge.target] != 0) continue;
-      seen[edge.target] = 1;
-      path.emplace_back(edge.target, 0);
-    }
-  }
-  return lines;
-}
-
 // Gathers what verdicts rest on.
 class AssumptionList {
  public:
@@ -567,19 +526,6 @@ std::optional<std::string> find_weakness(const System& system) {
       "`when_weak: accept` there",
       names.size() == 1 ? "a weak model" : "weak models", join(names),
       describe_strengthening(*first));
-}
-
-std::optional<std::string> find_endless_callbacks(const System& system) {
-  std::set<int> lines;
-  for (const Program& program : system.programs) {
-    if (program.runs_callbacks()) lines.merge(find_endless_lines(system, program));
-  }
-  if (lines.empty()) return std::nullopt;
-  return fmt::format(
-      "the code of a callback may go round for ever at line{} {}, and what its thread or group "
-      "keeps "
-      "from starting then is not looked at",
-      lines.size() == 1 ? "" : "s", fmt::join(lines, ", "));
 }
 
 StatedAssumptions state_assumptions(const System& system, const std::vector<InputUse>& uses,

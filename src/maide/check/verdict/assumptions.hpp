@@ -31,10 +31,6 @@ std::optional<std::string> find_hidden_return(const System& system,
 // Why a "holds" is none, as far as that is because of weak models.
 std::optional<std::string> find_weakness(const System& system);
 
-// Callbacks whose code may go round for ever: what their threads and groups keep from starting then
-// `stuck` does not look at. None if there are none. O(edges).
-std::optional<std::string> find_endless_callbacks(const System& system);
-
 // A select of a program's text that waits in vain: from some point of some run on its time-outs
 // alone end it, because whatever happens then, none of its other arms can be taken again. One in
 // all rounds of its loops and copies of its procedure.

@@ -23,6 +23,7 @@
 #include "maide/check/rules/model_words.hpp"
 #include "maide/check/system/trace.hpp"
 #include "maide/check/verdict/assumptions.hpp"
+#include "maide/check/verdict/endless_callbacks.hpp"
 #include "maide/check/verdict/vacuity.hpp"
 
 namespace maide {
@@ -96,6 +97,19 @@ class PartChecker {
     return result;
   }
 
+  // Where callbacks go round for ever on fair runs, or may.
+  std::set<int> find_endless() {
+    std::set<int> lines;
+    for (auto& [program, loops] : find_endless_callbacks(system_)) {
+      const EndlessQuestion asked = ask_whether_endless(system_, program);
+      const bool is_answered =
+          engine_.obstacle(asked.system, asked.property).empty() &&
+          engine_.check(asked.system, asked.property, options_).verdict == Verdict::holds;
+      if (!is_answered) lines.merge(loops);
+    }
+    return lines;
+  }
+
   // A "holds" that leans on something that is not known.
   void weaken(PropertyResult& result, const Property& property) {
     std::vector<std::string> reasons;
@@ -114,7 +128,9 @@ class PartChecker {
     const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
     if (const auto weakness = find_weakness(system_)) reasons.push_back(*weakness);
     if (property.kind == Property::Kind::stuck) {
-      if (const auto endless = find_endless_callbacks(system_)) reasons.push_back(*endless);
+      if (const auto lines = find_endless(); !lines.empty()) {
+        reasons.push_back(describe_endless(lines));
+      }
     }
     if (cut_->verdict == Verdict::violated) {
       reasons.push_back(describe_cut(*cut_->trace));

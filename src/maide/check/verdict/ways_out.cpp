@@ -26,29 +26,6 @@ std::optional<std::uint32_t> started_by(const Program& program, const ProgramEdg
   return combined.callback;
 }
 
-// In whose code each control state of the program stands.
-std::vector<std::optional<std::uint32_t>> callbacks_of(const Program& program) {
-  std::vector<std::optional<std::uint32_t>> result(program.states.size());
-  std::vector<ControlState> open;
-  for (const ProgramEdge& start : program.edges) {
-    const auto callback = started_by(program, start);
-    if (!callback || result[start.target]) continue;
-    result[start.target] = callback;
-    open.push_back(start.target);
-    while (!open.empty()) {
-      const ControlState at = open.back();
-      open.pop_back();
-      for (const ProgramEdge& edge : program.edges_of(at)) {
-        if (program.role_of(edge) == Role::end || program.is_death(edge)) continue;
-        if (result[edge.target]) continue;
-        result[edge.target] = callback;
-        open.push_back(edge.target);
-      }
-    }
-  }
-  return result;
-}
-
 bool is_possible_at(const ModelInstance& model, StateId at, const ModelUse& use) {
   return !model_steps(model, at, use).empty();
 }
@@ -64,7 +41,7 @@ class WayFinder {
         state_(state),
         waiting_(waiting),
         own_(system.programs[waiting]),
-        own_callbacks_(callbacks_of(own_)) {}
+        own_callbacks_(callbacks_in(own_)) {}
 
   std::vector<WayOut> run() {
     const ControlState at = state_.programs[waiting_];
@@ -235,7 +212,7 @@ class WayFinder {
   void add_helpers(WayOut& way, std::uint32_t index, const Helps& helps) {
     const Program& program = system_.programs[index];
     const bool is_own = index == waiting_;
-    const auto callbacks = is_own ? own_callbacks_ : callbacks_of(program);
+    const auto callbacks = is_own ? own_callbacks_ : callbacks_in(program);
     const auto running = callbacks[state_.programs[index]];
     std::set<std::optional<std::uint32_t>> helping;
     for (ControlState at = 0; at < program.states.size(); ++at) {
@@ -350,11 +327,33 @@ class WayFinder {
 
 }  // namespace
 
+std::vector<std::optional<std::uint32_t>> callbacks_in(const Program& program) {
+  std::vector<std::optional<std::uint32_t>> result(program.states.size());
+  std::vector<ControlState> open;
+  for (const ProgramEdge& start : program.edges) {
+    const auto callback = started_by(program, start);
+    if (!callback || result[start.target]) continue;
+    result[start.target] = callback;
+    open.push_back(start.target);
+    while (!open.empty()) {
+      const ControlState at = open.back();
+      open.pop_back();
+      for (const ProgramEdge& edge : program.edges_of(at)) {
+        if (program.role_of(edge) == Role::end || program.is_death(edge)) continue;
+        if (result[edge.target]) continue;
+        result[edge.target] = callback;
+        open.push_back(edge.target);
+      }
+    }
+  }
+  return result;
+}
+
 std::optional<std::uint32_t> running_callback(const System& system, const GlobalState& state,
                                               std::uint32_t program) {
   const Program& own = system.programs[program];
   if (own.nodes.empty()) return std::nullopt;
-  return callbacks_of(own)[state.programs[program]];
+  return callbacks_in(own)[state.programs[program]];
 }
 
 std::vector<WayOut> find_ways_out(const System& system, const GlobalState& state,

@@ -46,6 +46,9 @@ struct WayOut {
   std::vector<Helper> helpers;  // by program and callback; those of other ways may be among them
 };
 
+// In whose code each control state of the program stands. O(edges).
+std::vector<std::optional<std::uint32_t>> callbacks_in(const Program& program);
+
 // The callback whose code the program stands in, of those that it runs; by its number.
 std::optional<std::uint32_t> running_callback(const System& system, const GlobalState& state,
                                               std::uint32_t program);
