@@ -218,7 +218,7 @@ class WaitingFinder {
         if (service == nullptr || event.kind != Kind::take) continue;
         const Alphabet& outputs = system_.models[event.model].automaton.outputs();
         if (!is_numbered(outputs.name(event.index), "answer")) continue;
-        const auto client = client_named(*service, own_name());
+        const auto client = own_client(*service);
         if (client && known.insert(event.model).second) add_service(*service, *client);
       }
     }
@@ -229,6 +229,16 @@ class WaitingFinder {
     const auto callback = running_callback(system_, state_, waiting_.program);
     if (callback) return system_.callbacks[*callback].node;
     return own().nodes.size() == 1 ? own().nodes.front() : own().name;
+  }
+
+  // The one that the program is. In the start of a node, or in what spins: that of the first of its
+  // nodes that is one.
+  std::optional<std::uint32_t> own_client(const ServiceInstance& service) const {
+    if (const auto client = client_named(service, own_name())) return client;
+    for (const std::string& node : own().nodes) {
+      if (const auto client = client_named(service, node)) return client;
+    }
+    return std::nullopt;
   }
 
   void add_service(const ServiceInstance& service, std::uint32_t client) {
