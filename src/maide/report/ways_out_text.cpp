@@ -90,7 +90,10 @@ class WaysOutText {
       case Obstacle::passed: return "never comes there again";
       case Obstacle::not_started: return "has nothing to start for";
       case Obstacle::own_thread:
-        if (helper.holders.empty()) return "would run on the thread that waits";
+        if (helper.holders.empty()) {
+          return fmt::format("finds no idle thread: {} waits here",
+                             the_thread_of(*helper.callback));
+        }
         return fmt::format("finds no idle thread: {} runs {}, which waits",
                            the_thread_of(*helper.callback), names_of(helper.holders));
       case Obstacle::own_group:

@@ -283,7 +283,10 @@ class WayFinder {
       lacks_thread = lacks_thread || can_but_for_threads;
     }
     if (!is_there) {
-      if (helper.obstacle == Obstacle::none && !may_start_any(program, state_.programs[index])) {
+      const ControlState at = state_.programs[index];
+      const bool is_spun = system_.callbacks[callback].kind == CallbackKind::client &&
+                           spins_until_answer(program, at);
+      if (helper.obstacle == Obstacle::none && !is_spun && !may_start_any(program, at)) {
         helper.obstacle = index == waiting_ ? Obstacle::own_thread : Obstacle::busy;
       }
       return helper;
@@ -291,6 +294,14 @@ class WayFinder {
     helper.obstacle = lacks_thread ? Obstacle::no_thread : Obstacle::not_started;
     if (lacks_thread) helper.holders = running_on(system_.callbacks[callback].executor);
     return helper;
+  }
+
+  // It would run the client's callback if there were something for it.
+  static bool spins_until_answer(const Program& program, ControlState at) {
+    const auto edges = program.edges_of(at);
+    return std::ranges::any_of(edges, [&](const ProgramEdge& edge) {
+      return std::ranges::find(program.spins_until, edge.line) != program.spins_until.end();
+    });
   }
 
   // Some callback starts there, or would where a guard held.
