@@ -187,6 +187,13 @@ TEST(Locks, SlipsAreNamedWithTheirPlace) {
   EXPECT_EQ(error_of("m: {use: mutex}, cv: {use: condition, with: {mutex: m}}",
                      "switch cv.wait { quiet { } }"),
             "the `wait` of a condition brings nothing: write `cv.wait;` (s.yaml:2:26)");
+  EXPECT_EQ(test::error_of([&] {
+              parse_system(
+                  "topics: {t: {writers: a, readers: b, use: mutex, with: {recursive: "
+                  "true}}}\nprograms: {a: \"t.lock;\", b: \"t.unlock;\"}\n",
+                  "s.yaml", test::test_model);
+            }),
+            "a topic is no mutex that knows who holds it (s.yaml:1:10)");
   EXPECT_EQ(error_of("m: {use: mutex}", "m.lock timeout 5 { }"),
             "'timeout' stands behind the `wait` of a condition, or in a 'select' (s.yaml:2:23)");
 }

@@ -159,7 +159,27 @@ std::string error_of_spin(const std::string& main, const std::string& executor =
   return test::error_of([&] { parse_system(text, "s.yaml", test::test_model); });
 }
 
+// What spins may lock, too.
+TEST(Spins, MainUsesLocks) {
+  const std::string text =
+      "models: {m: {use: mutex, with: {recursive: true}}, cv: {use: condition, with: {mutex: m}}}\n"
+      "executors: {main: {kind: single, main: \"m.lock; cv.wait timeout 5 { } m.unlock; spin "
+      "once;\"}}\n"
+      "nodes: {n: {executor: main, callbacks: {tick: {timer: 5, do: \"cv.notify_all;\"}}}}\n";
+  const System system = parse_system(text, "s.yaml", test::test_model);
+  NativeEngine engine;
+  EXPECT_EQ(check_system(system, engine, {}).verdict, Verdict::holds);
+}
+
 TEST(Spins, SlipsAreNamedWithTheirPlace) {
+  EXPECT_EQ(test::error_of([&] {
+              parse_system(
+                  "executors: {e: {kind: multi, threads: 2}}\nnodes: {n: {executor: e, "
+                  "start: \"spin some;\", callbacks: {t: {timer: 5, do: \"skip;\"}}}}\n",
+                  "s.yaml", test::test_model);
+            }),
+            "a 'start' that spins goes with one thread yet: for several it is not built "
+            "(s.yaml:2:34)");
   EXPECT_EQ(error_of_spin("spin other;"),
             "'spin' runs the executor of its 'main', and in a 'start' its node alone; 'other' from "
             "elsewhere is not built (s.yaml:2:46)");

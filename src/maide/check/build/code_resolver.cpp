@@ -157,7 +157,7 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
     case From::give_arms:
       to.kind = To::give;
       to.model = events_.model(from.model);
-      if (events_.is_condition(to.model) && from.event.name.is("wait")) {
+      if (events_.is_condition(to.model) && from.event.name.text == "wait") {
         resolve_condition_wait(from, to);
         break;
       }
@@ -649,6 +649,10 @@ void CodeResolver::resolve_spin(const syntax::Statement& from, Statement& to) {
   if (!is_main && callback->kind != Callback::Kind::start) {
     to.kind = Statement::Kind::refused_spin;
     return;
+  }
+  if (!work_.thread->may_spin) {
+    names_.fail("a 'start' that spins goes with one thread yet: for several it is not built",
+                from.place);
   }
   std::vector<const Callback*> callbacks = work_.thread->all();
   if (!is_main) {

@@ -28,7 +28,7 @@ void add_names(const Declarations& file, const syntax::Code& code, UsedNames& us
     using Kind = syntax::Statement::Kind;
     if (statement.kind == Kind::give || statement.kind == Kind::give_arms) {
       used.all.insert(statement.model.name.text);
-      if (statement.event.name.is("wait")) used.waited_at.insert(statement.model.name.text);
+      if (statement.event.name.text == "wait") used.waited_at.insert(statement.model.name.text);
     }
     for (const syntax::SelectArm& arm : statement.select_arms) used.all.insert(arm.model.name.text);
     if (statement.kind != Kind::call) return;
@@ -49,12 +49,14 @@ UsedNames names_in(const Declarations& file, const ProgramDeclaration& program) 
   UsedNames used;
   if (program.code) add_names(file, *program.code, used);
   if (!program.thread) return used;
-  for (const auto* const callbacks : {&program.thread->starts, &program.thread->callbacks}) {
-    for (const program_syntax::Callback& callback : *callbacks) {
-      for (const syntax::Code* const code : codes_of(callback)) add_names(file, *code, used);
-      if (callback.takes) used.all.insert(callback.takes->model.name.text);
-    }
-  }
+  const program_syntax::Thread& thread = *program.thread;
+  const auto add = [&](const program_syntax::Callback& callback) {
+    for (const syntax::Code* const code : codes_of(callback)) add_names(file, *code, used);
+    if (callback.takes) used.all.insert(callback.takes->model.name.text);
+  };
+  std::ranges::for_each(thread.starts, add);
+  std::ranges::for_each(thread.callbacks, add);
+  if (thread.main) add(*thread.main);
   return used;
 }
 

@@ -324,6 +324,9 @@ Topic::Reader declare_reader(Declarations& file, const References& references,
   ModelOrigin origin;
   ModelInstance model = declarer.declare(topic + "[" + reader.name + "]", origin);
   declarer.declare_built_in(origin, indices);
+  if (origin.kind == ModelOrigin::Kind::recursive_mutex) {
+    file.tree().fail_at_name("a topic is no mutex that knows who holds it", entry);
+  }
   const auto number = static_cast<std::uint32_t>(file.models.size());
   note_delivery(file, number, entry);
   file.models.push_back(std::move(model));

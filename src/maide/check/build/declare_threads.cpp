@@ -80,6 +80,7 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
   program.thread->starts = std::move(line.starts);
   program.thread->main = std::move(line.main);
   program.thread->executor = executor.name;
+  program.thread->may_spin = executor.threads == 1;
   program.thread->callbacks = std::move(line.callbacks);
   program.thread->goes_by_rounds = executor.goes_by_rounds && runs_callbacks;
   for (const std::uint32_t node : nodes) {

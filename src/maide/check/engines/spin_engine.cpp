@@ -220,6 +220,14 @@ std::string SpinEngine::obstacle(const System& system, const Property& property)
     if (!system.programs[index].flags.is_fair) {
       return "the engine spin is fair to all programs (--engine native leaves some out)";
     }
+    const Program& program = system.programs[index];
+    if (std::ranges::any_of(program.combined, [](const CombinedStep& step) {
+          return step.role == CombinedStep::Role::causeless;
+        })) {
+      return "the engine spin lets nobody wake from a condition without a notification again and "
+             "again, and " +
+             program.name + " may (--engine native knows that)";
+    }
     for (const FairGroup& group : system.programs[index].fair_groups) {
       if (!group.on_weak_runs) continue;
       return "the engine spin has no `fair` choices, and " + system.programs[index].name +

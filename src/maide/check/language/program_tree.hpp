@@ -100,6 +100,7 @@ struct Thread {
   std::vector<Callback> callbacks;  // in a round's order
   bool goes_by_rounds = false;      // else whichever can start
   std::string executor;             // its name
+  bool may_spin = true;             // it has all that its starts may spin
 
   std::vector<const Callback*> all() const {
     std::vector<const Callback*> all;
