@@ -281,7 +281,9 @@ def atom_of(document: dict, component: dict) -> str | None:
         codes = {**(entry.get("callbacks") or {}), **(entry.get("threads") or {})}
         if isinstance(entry.get("clients"), dict):
             codes.update(entry["clients"])
-        label = re.search(r"@(\w+) ", str(codes.get(own, entry.get(own, ""))))
+        mains = (document.get("executors") or {}).get(entry.get("executor")) or {}
+        code = codes.get(own, entry.get(own, mains.get(own, "")))
+        label = re.search(r"@(\w+) ", str(code))
         if label:
             return f"{name}@{label.group(1)}"
     return None
@@ -345,9 +347,15 @@ def smaller(document: dict) -> Iterable[dict]:
                 yield {**document, section: {**document[section], name: less}}
     for section in ("executors", "programs"):
         for name, entry in (document.get(section) or {}).items():
-            if isinstance(entry, dict) and "may_die" in entry:
-                less = {k: v for k, v in entry.items() if k != "may_die"}
-                yield {**document, section: {**document[section], name: less}}
+            for key in ("may_die", "main"):
+                if isinstance(entry, dict) and key in entry:
+                    less = {k: v for k, v in entry.items() if k != key}
+                    yield {**document, section: {**document[section], name: less}}
+    for name, entry in (document.get("executors") or {}).items():
+        for less in smaller_texts(entry.get("main", "").replace("} else", "}\nelse")):
+            if less.strip():
+                less_entry = {**entry, "main": less}
+                yield {**document, "executors": {**document["executors"], name: less_entry}}
     if "variables" in document:
         yield {k: v for k, v in document.items() if k != "variables"}
     for name, entry in (document.get("models") or {}).items():

@@ -27,6 +27,7 @@ from language import Refused, Statement
 from locks import Condition
 from wires import refuse_arms
 
+MOST_FOUND, MOST_RUN = 12, 100  # callbacks of a `spin some` and `spin all`
 SILENT = {"assign", "enter", "branch", "jump", "label"}
 
 
@@ -59,7 +60,7 @@ class Node:
             for arm in self.arms:
                 found += [arm.next] if arm.outputs is None else [n for _, n in arm.outputs]
             return found
-        if self.kind == "wake" and self.late is not None:
+        if self.kind in ("wake", "spin", "misspin") and self.late is not None:
             return [self.next, self.late]
         return [] if self.kind in ("end", "finish", "unknown") else [self.next]
 
@@ -622,6 +623,30 @@ class Compiler:
 
     def compile_unknown(self, statement: Statement, frame: Frame, after: Node) -> Node:
         return Node("unknown", frame, statement.place)
+
+    def compile_spin(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        if self.code is None:
+            raise Refused("a program does not spin: 'main' of an executor does")
+        executor, mode = self.code.node.executor, statement.mode
+        is_spinner = self.code.kind in ("start", "main")
+        if is_spinner and executor.rounds and mode in ("once", "until"):
+            raise Refused(f"executor {executor.name}: 'spin {mode}' has no rounds")
+        spun = executor.callbacks if self.code.kind == "main" else self.code.node.callbacks
+        if is_spinner and mode in ("some", "all") and len(spun) > MOST_FOUND:
+            raise Refused(f"'spin {mode}' has at most {MOST_FOUND} callbacks")
+        limit = None if statement.limit is None else frame.scope.constant(statement.limit)
+        if limit is not None and not 1 <= limit <= MOST_RUN:
+            raise Refused(f"'spin {mode}' runs 1 to {MOST_RUN} callbacks")
+        model = None
+        if statement.model is not None:
+            model = self.model(frame, statement.model)
+            if not self.system.is_service(model):
+                raise Refused(f"{model[0]} is no service")
+            self.checked(frame, model, statement.pattern)
+        late = None if statement.late is None else self.block(statement.late, frame, after)
+        fields = {"mode": mode, "limit": limit, "model": model, "late": late, "next": after}
+        kind = "spin" if is_spinner else "misspin"
+        return Node(kind, frame, statement.place, **fields)
 
     def arms(self, arms: list, model: tuple, frame: Frame, after: Node) -> list:
         """Patterns and first nodes of arms `output { ... }`."""

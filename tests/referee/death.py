@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from machine import Control, Program, Step, World, after_death
-from nodes import DEAD, AtExecutor, Executor
+from nodes import AtExecutor, Executor
+from turns import DEAD, NOBODY, Turn
 
 
 class Death(AtExecutor):
@@ -22,14 +23,15 @@ class Death(AtExecutor):
 
     def steps(self, control: Control, world: World) -> list[Step]:
         """The death, if the executor lives."""
-        runs, left = world[0][self.executor.use]
-        if runs == DEAD:
+        turn = world[0][self.executor.use]
+        if turn.running == DEAD:
             return []
         models_after, cut = after_death(self.system, world, self.dying)
         also = tuple((n, self.system.programs[n].start()) for n in sorted(self.dying))
         found = []
         for models in models_after:
-            after = Program.with_model((models, world[1]), self.executor.use, (DEAD, left))
+            dead = Turn(DEAD, turn.left, NOBODY)
+            after = Program.with_model((models, world[1]), self.executor.use, dead)
             found.append(Step(self.number, ("dies",), control, after, also=also, death=True))
         if cut:
             found.append(Step(self.number, ("dies",), cut=True, death=True))

@@ -75,6 +75,7 @@ class Component:
             for k, use in enumerate(system.uses)
             if hasattr(use, "gone") and any(k in system.models_of[n] for n in numbers)
         ]
+        self.spinners = [at for at, one in enumerate(self.programs) if hasattr(one, "followed")]
         self.streams = [(k, use) for k, use in enumerate(system.uses) if hasattr(use, "noted")]
         self.calls = any(use.acknowledges(n) for _, use in self.on_wires for n in numbers)
         at = 0
@@ -152,11 +153,17 @@ class Component:
 
     def followed(self, controls: tuple, world: tuple, is_arrival: bool) -> tuple[tuple, tuple]:
         """What follows in the same step: streams note what was sent, and with what arrives or is
-        lost calls end. Services forget what makes no difference any more."""
+        lost calls end. Who spins goes on where a callback ended. Services forget what makes no
+        difference any more."""
         for n, stream in self.streams:
             world = (stream.noted(n, world[0]), world[1])
         for k, use in self.services:
             world = Program.with_model(world, k, use.tidied(world[0][k]))
+        if self.spinners:
+            after = list(controls)
+            for at in self.spinners:
+                after[at], world = self.programs[at].followed(after[at], world)
+            controls = tuple(after)
         if self.calls and is_arrival:
             ended = []
             for program, control in zip(self.programs, controls):

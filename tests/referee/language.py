@@ -207,6 +207,9 @@ class Parser:
         if self.sees("unknown") and self.sees(";", ahead=1):
             self.at += 2
             return Statement("unknown", place)
+        if self.sees("spin") and (self.sees(";", ahead=1) or self.peek(1)[0] == "name"):
+            self.at += 1
+            return self.parse_spin(place)
         name, indices = self.reference()
         if self.sees("."):
             given = self.given((name, indices))
@@ -219,6 +222,37 @@ class Parser:
             return Statement("give", place, **given, pattern=pattern, idle=False)
         self.expect("=")
         return self.assignment(place, (name, indices))
+
+    def parse_spin(self, place):
+        """Behind `spin`."""
+        if self.accept(";"):
+            return self.spin(place, "forever")
+        mode = self.name()
+        if mode in ("some", "all"):
+            limit = None if self.sees(";") else self.expression()
+            self.expect(";")
+            return self.spin(place, mode, limit=limit)
+        model = pattern = None
+        if mode == "until":
+            model = self.reference()
+            self.expect("->")
+            pattern = self.pattern()
+            if pattern != ("answer", None):
+                self.fail("'answer', behind 'spin until',")
+        elif mode != "once":
+            self.fail("'once', 'until', 'some' or 'all', behind 'spin',")
+        late = None
+        if self.accept("timeout"):
+            self.expression()
+            late = self.block()
+        else:
+            self.expect(";")
+        return self.spin(place, mode, model=model, pattern=pattern, late=late)
+
+    @staticmethod
+    def spin(place, mode, **fields):
+        known = {"model": None, "pattern": None, "limit": None, "late": None, **fields}
+        return Statement("spin", place, mode=mode, **known)
 
     def misplaced(self, place):
         self.at -= 1

@@ -126,6 +126,8 @@ class Program:
             self.model(node.model, read)
             for argument in getattr(node, "arguments", []):
                 evaluate(argument, read)
+        elif node.kind == "spin" and node.model is not None:
+            self.model(node.model, read)
         elif node.kind == "select":
             for arm in node.arms:
                 if arm.model is not None and self.is_local_and_holds(arm, read):
@@ -413,6 +415,10 @@ class Program:
         if any(world[0][node.pool.use]):
             return []
         return [self.step((node.pool.use, "join"), node.next, values, world)]
+
+    def steps_misspin(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        why = "the node has been added to an executor already"
+        return [self.mistake(("spin",), node.place, why, world)]
 
     def steps_unknown(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         return self.cuts(("unknown",), True)

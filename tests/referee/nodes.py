@@ -3,8 +3,8 @@
 Each copy of a callback is a program that stands at its start until it is started. An executor with
 rounds is a program, too, which looks, and takes a client's turn if its answers are to others. Which
 callbacks run, and what is left of the last look, is the state of the executor, among those of the
-models. Start code and the copies of threads are programs like callbacks; the first runs in place of
-all callbacks, and which of the others are asked or run is the state of a pool.
+models (turns.py). The copies of threads are programs like callbacks; which of them are asked or run
+is the state of a pool. Start code and that of `main:` are programs, too (spinning.py).
 """
 
 from __future__ import annotations
@@ -19,17 +19,35 @@ from deliveries import AT_ONCE
 from expressions import Mistake, Scope, Variable, evaluate
 from language import Parser, Refused, parse_expression, parse_program
 from machine import Control, Program, Step, World
+from turns import (
+    DEAD,
+    ENDED,
+    ERRED,
+    LOOK,
+    NOBODY,
+    USUAL,
+    Spin,
+    Turn,
+    is_answered,
+    is_looking,
+    is_spun,
+    passed,
+    statement_of,
+    with_one_less,
+    with_one_more,
+)
 
 KINDS = ("timer", "takes", "serves", "client")  # in this order in a round
 
 
 @dataclass(eq=False)
 class CallbackText:
-    """A callback, start code or a thread, as the file says it, in one node of an array."""
+    """A callback, start code, the code of `main:` or a thread, as the file says it, in one node of
+    an array."""
 
     node: NodeText
     name: str
-    kind: str  # one of KINDS, "start" or "thread"
+    kind: str  # one of KINDS, "start", "main" or "thread"
     what: Any  # the input or output that it takes; the service's (name, indices)
     arms: list  # [(pattern or None, statements)]
     group: tuple[str, bool]  # its name, and whether it is exclusive
@@ -56,12 +74,14 @@ class NodeText:
     callbacks: list[CallbackText] = field(default_factory=list)
     variables: list[Variable] = field(default_factory=list)
     start: CallbackText | None = None
+    main: CallbackText | None = None  # of its executor, whose first node it is
     pools: list[Pool] = field(default_factory=list)
 
     def codes(self) -> list[CallbackText]:
         """All its code."""
         starts = [self.start] if self.start is not None else []
-        return self.callbacks + starts + [pool.text for pool in self.pools]
+        mains = [self.main] if self.main is not None else []
+        return self.callbacks + starts + [pool.text for pool in self.pools] + mains
 
     def numbers(self) -> frozenset[int]:
         """The programs that it stands for."""
@@ -102,14 +122,8 @@ class Pool:
         return [state], False
 
 
-# What runs on an executor that died, for ever.
-DEAD = ("dead",)
-
-
 class Executor:
-    """An executor; its state is (the programs that run, what is left of the last look).
-
-    At first the start code of its first node runs."""
+    """An executor, at which the start code of its first node, or `main:`, runs at first."""
 
     models: list = []
     weak = False
@@ -122,13 +136,14 @@ class Executor:
         self.process: str | None = None
         self.may_die = False
         self.callbacks: list[CallbackText] = []  # in the order of a round
-        self.starts: list[int] = []  # the programs of its nodes' start code, in their order
+        self.main: str | None = None  # the code in place of the endless loop
+        self.starts: list[int] = []  # the programs of start code in their order, then of `main:`
         self.use = -1  # its number among the models
 
     @property
-    def initial(self) -> tuple:
+    def initial(self) -> Turn:
         """No callback runs, and nothing was looked at."""
-        return (tuple(self.starts[:1]), ())
+        return Turn(tuple(self.starts[:1]), (), NOBODY if self.starts else USUAL)
 
     def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
         """No death changes it."""
@@ -138,7 +153,7 @@ class Executor:
 def executor_of(name: str, description: dict, number: Any) -> Executor:
     """The executor that an entry of the file describes."""
     kind = description.get("kind", "single")
-    keys = {"kind", "threads", "order", "process", "may_die"}
+    keys = {"kind", "threads", "order", "process", "may_die", "main"}
     if not set(description) <= keys or kind not in ("single", "multi"):
         raise Refused(f"executor {name}: {description}")
     order = description.get("order", "any")
@@ -152,6 +167,9 @@ def executor_of(name: str, description: dict, number: Any) -> Executor:
     executor = Executor(name, threads, order == "rounds")
     executor.process = description.get("process")
     executor.may_die = description.get("may_die", False)
+    executor.main = description.get("main")
+    if executor.main is not None and threads > 1:
+        raise Refused(f"executor {name}: 'main' stands at one of one thread")
     if executor.may_die and kind == "multi":
         raise Refused(f"executor {name}: only one of one thread may die")
     return executor
@@ -216,11 +234,10 @@ def callback_of(node: NodeText, name: str, description: dict, groups: dict) -> C
     return callback
 
 
-def start_of(node: NodeText, text: str) -> CallbackText:
-    """The start code of a node."""
-    origin = f"callback {node.name}.start"
-    arms = [(None, parse_program(text, origin))]
-    return CallbackText(node, "start", "start", None, arms, ("", True), Scope(node.scope))
+def start_of(node: NodeText, text: str, kind: str = "start") -> CallbackText:
+    """The start code of a node, or the code of its executor's `main:`."""
+    arms = [(None, parse_program(text, f"callback {node.name}.{kind}"))]
+    return CallbackText(node, kind, kind, None, arms, ("", True), Scope(node.scope))
 
 
 def pool_of(node: NodeText, name: str, description: Any, number: Any) -> Pool:
@@ -255,7 +272,7 @@ def can_run_together(one: CallbackText | None, other: CallbackText | None) -> bo
         return False
     if "thread" in (one.kind, other.kind):
         return True
-    if "start" in (one.kind, other.kind):  # on several threads it is a program of its own
+    if {"start", "main"} & {one.kind, other.kind}:  # on several threads it is a program of its own
         return one.node.executor.threads > 1 and one.kind != other.kind
     same_group = one.node is other.node and one.group == other.group and one.group[1]
     return one.node.executor.threads > 1 and not same_group
@@ -304,8 +321,10 @@ class NodeProgram(Program):
             users = [self.system.texts[n].callback for n in variable.users]
             if variable.stays and not can_run_together(users[0], self.text):
                 kept[at] = None
-        running, _ = world[0][self.executor.use]
-        return self.with_model((world[0], tuple(kept)), self.executor.use, (running, ()))
+        turn = world[0][self.executor.use]._replace(left=())
+        if isinstance(turn.spin, Spin):
+            turn = turn._replace(spin=ERRED)
+        return self.with_model((world[0], tuple(kept)), self.executor.use, turn)
 
     def start(self) -> Control:
         """It stands at its start."""
@@ -322,33 +341,6 @@ class NodeProgram(Program):
                 state = use.forgotten(world[0][number], self.number)
                 world = self.with_model(world, number, state)
         return world
-
-
-class Start(NodeProgram):
-    """The start code of a node, which begins with the system, or where that of the node before it
-    in its executor ends."""
-
-    def begun(self, world: World) -> tuple[Control, World]:
-        is_first = self.number == self.executor.starts[0]
-        return self.entered(world) if is_first else (self.start(), world)
-
-    def entered(self, world: World) -> tuple[Control, World]:
-        """Where control comes to stand at the begin of the code, and the world there."""
-        values = self.values_at(self.first, self.start(), world)
-        return self.settled(self.arrive(self.first.arms[0][1], values), world)
-
-    def steps_start(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
-        return []
-
-    def steps_finish(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
-        world = self.released(world)
-        behind = self.executor.starts[self.executor.starts.index(self.number) + 1 :]
-        world = self.with_model(world, self.executor.use, (tuple(behind[:1]), ()))
-        step = self.step(("end",), self.first, values, world)
-        if behind:
-            after, step.world = self.system.programs[behind[0]].entered(step.world)
-            step.also = ((behind[0], after),)
-        return [step]
 
 
 class Thread(NodeProgram):
@@ -386,7 +378,7 @@ class Callback(NodeProgram):
     def takes(self, world: World) -> tuple[list, bool]:
         """What there is for it: [(output or None, model's number, its state, events)], cut."""
         kind, models = self.text.kind, world[0]
-        if models[self.executor.use][0] == DEAD:
+        if self.is_over(world):
             return [], False
         if kind == "timer":
             return [] if self.has_come(world) else [(None, None, None, ())], False
@@ -413,6 +405,16 @@ class Callback(NodeProgram):
         if not service.has_answer(state, i):
             return [], False
         return [(None, number, *service.received_by(state, i, self.number))], False
+
+    def is_over(self, world: World) -> bool:
+        """Whether it can never start any more: its executor is dead, what ran on it has ended, or
+        the start code of another node spins for ever."""
+        turn = world[0][self.executor.use]
+        if turn.running == DEAD or turn.spin == ENDED:
+            return True
+        statement = statement_of(self.system, turn)
+        is_for_ever = statement is not None and statement.mode == "forever"
+        return is_for_ever and not is_spun(self.system, turn, self.text)
 
     def has_come(self, world: World) -> bool:
         """Whether it is a timer that comes once, and has come."""
@@ -442,7 +444,7 @@ class Callback(NodeProgram):
         """Whether a look finds it: a client by any answer, whosever it is."""
         if self.text.kind != "client":
             return self.is_found_there(world)
-        if world[0][self.executor.use][0] == DEAD:
+        if self.is_over(world):
             return False
         service = self.system.uses[self.first.model]
         return service.is_found(world[0][self.first.model], service.client_of[self.number])
@@ -450,8 +452,11 @@ class Callback(NodeProgram):
     def after_start(self, world: World) -> World | None:
         """The world after it got a thread; None if it cannot start."""
         executor = self.executor
-        running, left = world[0][executor.use]
-        if len(running) >= executor.threads or set(running) & set(executor.starts):
+        turn = world[0][executor.use]
+        running, left, _ = turn
+        if not is_spun(self.system, turn, self.text) or is_answered(self.system, turn, world):
+            return None
+        if len(running) >= (executor.threads if turn.spin == USUAL else 1) or left == LOOK:
             return None
         if next(n for n in self.text.numbers if n not in running) != self.number:
             return None
@@ -467,14 +472,18 @@ class Callback(NodeProgram):
             if at is None or left[at] != self.text.numbers[0]:
                 return None
             left = left[at + 1 :]
-        state = (tuple(sorted((*running, self.number))), left)
-        world = self.with_model(world, executor.use, state)
+        elif is_looking(statement_of(self.system, turn)):
+            if self.text.numbers[0] not in left:
+                return None
+            left = tuple(number for number in left if number != self.text.numbers[0])
+        turn = with_one_more(self.system, turn, self.number, left)
+        world = self.with_model(world, executor.use, turn)
         if self.text.come is None:
             return world
         return (world[0], self.stored(world[1], self.text.come, [], True))
 
     def steps_start(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
-        running = world[0][self.executor.use][0]
+        running = world[0][self.executor.use].running
         if all(n in running for n in self.text.numbers):
             return []
         started = self.after_start(world)
@@ -501,10 +510,9 @@ class Callback(NodeProgram):
         return found + self.cuts(("start",), cut)
 
     def steps_finish(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
-        executor = self.executor
-        running, left = world[0][executor.use]
-        running = tuple(n for n in running if n != self.number)
-        world = self.released(self.with_model(world, executor.use, (running, left)))
+        use = self.executor.use
+        turn = with_one_less(self.system, world[0][use], self.number)
+        world = self.released(self.with_model(world, use, turn))
         return [self.step(("end",), self.first, values, world)]
 
 
@@ -558,14 +566,19 @@ class Look(AtExecutor):
 
     def steps(self, control: Control, world: World) -> list[Step]:
         """A look, for each set of timers that may be due."""
-        running, left = world[0][self.executor.use]
-        if running:
+        turn = world[0][self.executor.use]
+        left = turn.left
+        if turn.running or turn.spin in (NOBODY, ENDED, ERRED) or left == LOOK:
             return []
         if isinstance(left, Looking):
             return [self.asked(control, world, left.asked, left.found, ("asks",))]
+        statement = statement_of(self.system, turn)
         at = next_of(self.system, left, world)
         if at is not None:
-            return self.turn_for_nobody(control, world, left[at], (running, left[at + 1 :]))
+            behind = passed(statement, turn._replace(left=left[at + 1 :]).moved())
+            return self.turn_for_nobody(control, world, left[at], behind)
+        if is_looking(statement):
+            return []
         there = [c for c in self.executor.callbacks if self.is_there(c, world)]
         timers = [c for c in there if c.kind == "timer"]
         found = []
@@ -579,8 +592,7 @@ class Look(AtExecutor):
                 label = ("look", due)
                 found.append(self.asked(control, world, 0, first, label, arm=label))
                 continue
-            state = (running, seen)
-            after = Program.with_model(world, self.executor.use, state)
+            after = Program.with_model(world, self.executor.use, turn._replace(left=seen).moved())
             found.append(Step(self.number, ("look", due), control, after, arm=("look", due)))
         return found
 
@@ -618,15 +630,16 @@ class Look(AtExecutor):
         callback = self.one_by_one[number]
         if self.is_there(callback, world):
             found = (*found, callback.numbers[0])
+        turn = world[0][self.executor.use]
         state: Any = Looking(number + 1, found)
         if number + 1 == len(self.one_by_one):
             order = [c.numbers[0] for c in self.executor.callbacks]
             state = tuple(sorted(found, key=order.index))
-        after = Program.with_model(world, self.executor.use, ((), state))
+        after = Program.with_model(world, self.executor.use, turn._replace(left=state).moved())
         return Step(self.number, label, control, after, **more)
 
     def turn_for_nobody(
-        self, control: Control, world: World, number: int, behind: tuple
+        self, control: Control, world: World, number: int, behind: Turn
     ) -> list[Step]:
         """The turn of a client whose answers are to others: it takes them, and nothing runs."""
         program = self.system.programs[number]
@@ -642,5 +655,7 @@ class Look(AtExecutor):
         return [Step(self.number, ("discard", number), control, after)]
 
     def is_there(self, callback: CallbackText, world: World) -> bool:
-        """Whether there is something for a callback."""
+        """Whether there is something for a callback that has turns."""
+        if not is_spun(self.system, world[0][self.executor.use], callback):
+            return False
         return self.system.programs[callback.numbers[0]].is_found(world)

@@ -6,7 +6,7 @@ from typing import Any
 
 from deliveries import AT_ONCE, acknowledged_by_one
 from expressions import Scope
-from language import Parser, Refused, parse_declarations
+from language import Parser, Refused, Statement, parse_declarations, parse_program
 from nodes import (
     KINDS,
     CallbackText,
@@ -88,6 +88,8 @@ def read_nodes(system: Any) -> list[NodeText]:
                 if executor.may_die:
                     raise Refused(f"node {header}: threads, and an executor that may die")
                 node.pools.append(pool_of(node, own, text, number))
+            if executor.main is not None and all(n.executor is not executor for n in found):
+                node.main = start_of(node, executor.main, "main")
             names = [code.name for code in node.codes()]
             if len(set(names)) < len(names):
                 raise Refused(f"node {header}: two codes of one name")
@@ -200,6 +202,12 @@ def number_callbacks(system: Any, first: int) -> None:
         for pool in node.pools:
             pool.text.numbers = list(range(first, first + pool.count))
             first += pool.count
+        if node.main is not None:
+            node.main.numbers = [first]
+            first += 1
+    for node in system.nodes:
+        if node.main is not None:  # behind the start code of all nodes
+            node.executor.starts += node.main.numbers
     for kind in KINDS:
         for node in system.nodes:
             for callback in node.callbacks:
@@ -234,8 +242,10 @@ def add_services(system: Any, services: list) -> None:
                 continue
             for node in dict.fromkeys(c.node for c in callbacks):
                 own = [c for c in node.callbacks if c.what == (name, index)]
-                over = not any(c.has_code for c in own if c.kind == "client")
-                clients.append(Client(node.numbers(), True, over, node.executor.rounds))
+                has_code = any(c.has_code for c in own if c.kind == "client")
+                over = not has_code or waits_for(system, node, name)
+                rounds = node.executor.rounds
+                clients.append(Client(node.numbers(), True, over, rounds, has_code))
         if sum(len(c.programs) for c in clients) != len({p for c in clients for p in c.programs}):
             raise Refused(f"service {name}: a client is there twice")
         full = f"{name}[{','.join(map(str, index))}]" if index else name
@@ -255,6 +265,32 @@ def add_services(system: Any, services: list) -> None:
         is_late = any(wire.delivery != AT_ONCE for wire in wires)
         service = ServiceOnWires(*arguments, wires) if is_late else Service(*arguments)
         system.add_use(name, index, service)
+
+
+def waits_for(system: Any, node: NodeText, service: str) -> bool:
+    """Whether code that may be this node's says that it waits for an answer of the service."""
+    codes = [arm for code in node.codes() for _, arm in code.arms]
+    if node.executor.main is not None:
+        codes.append(parse_program(node.executor.main, "main"))
+    if any(waits_in(body, {service}) for body in codes):
+        return True
+    bodies = system.procedures.values()
+    return any(waits_in(body, {service, *parameters}) for parameters, body in bodies)
+
+
+def waits_in(value: Any, names: set[str]) -> bool:
+    """Whether a text has `wait s -> answer`, `on s!answer` or `spin until s -> answer`."""
+    if isinstance(value, (list, tuple)):
+        return any(waits_in(one, names) for one in value)
+    if not isinstance(value, Statement):
+        return False
+    fields = vars(value)
+    model = fields.get("model")
+    if model is not None and model[0] in names:
+        patterns = [fields.get("pattern"), *(arm[0] for arm in fields.get("outputs") or [])]
+        if fields.get("input") is None and any(p is not None and p[0] == "answer" for p in patterns):
+            return True
+    return any(waits_in(one, names) for one in fields.values())
 
 
 def slots_of(system: Any, service: tuple) -> tuple[int, ...]:

@@ -70,6 +70,18 @@ class Referee:
 
     def has_stuck(self, component: Component) -> bool:
         """Whether some program never steps again on a strongly fair run."""
+        return self.is_any_stuck(component, lambda program, control: False)
+
+    def has_stuck_but_spinning(self, component: Component) -> bool:
+        """The same, but for those who spin, whose callbacks may step."""
+        return self.is_any_stuck(
+            component,
+            lambda program, control: hasattr(program, "followed") and program.spins(control),
+        )
+
+    @staticmethod
+    def is_any_stuck(component: Component, is_left_out: Any) -> bool:
+        """Whether some program never steps again, and stands at no place that is left out."""
         edges = [state.edges for state in component.states]
         for at, program in enumerate(component.programs):
             nodes = {
@@ -78,6 +90,7 @@ class Referee:
                 if not state.failed
                 and program.number not in state.enabled
                 and not program.rests(state.controls[at])
+                and not is_left_out(program, state.controls[at])
             }
             runs = FairRuns(component.states, edges, frozenset(), "strong", component.numbers)
             if runs.exists(nodes):
@@ -107,11 +120,11 @@ class Referee:
 
     def stuck(self) -> dict:
         """Whether a program or callback is stuck; `unless_starved`, apart from callbacks that are
-        never started."""
+        never started, and from who spins them for ever."""
         started = self.of_each(self.has_stuck)
         starving = self.of_each(self.is_starving)
         worst = max(started, starving, key=lambda found: WORST.index(found["verdict"]))
-        return {**worst, "unless_starved": started["verdict"]}
+        return {**worst, "unless_starved": self.of_each(self.has_stuck_but_spinning)["verdict"]}
 
     def error(self) -> dict:
         """Whether a program makes a mistake."""

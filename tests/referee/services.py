@@ -42,6 +42,7 @@ class Client:
     is_node: bool = False
     hands_over: bool = False  # answers go to the callback that asked
     looked_at: bool = False  # by an executor with rounds
+    has_code: bool = False  # of its own, for each answer
 
 
 class Asked(NamedTuple):
@@ -127,7 +128,7 @@ class Service:
         if name == "answer" and program in self.client_of:
             client = self.clients[self.client_of[program]]
             if client.is_node and not client.hands_over:
-                raise Refused(f"service {self.name}: the client's own code takes the answers")
+                raise Refused(f"service {self.name}: the client's own code takes the answers, and nobody waits")
 
     # --- changes of the state
 
@@ -465,8 +466,8 @@ class Service:
         answers, over = state.clients[i]
         answers = self.own_answers(answers)
         events = [self.event(program, "?", "receive")]
-        if not self.clients[i].hands_over:
+        if self.clients[i].has_code:
             events.append(self.event(program, "!", "answer"))
-        elif answers[0] != NOBODY:
+        if self.clients[i].hands_over and answers[0] != NOBODY:
             over = over | {answers[0]}
         return self.with_client(state, i, answers[1:], over), tuple(events)

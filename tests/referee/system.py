@@ -43,7 +43,6 @@ from nodes import (
     Look,
     NodeText,
     Pool,
-    Start,
     Thread,
     can_run_together,
 )
@@ -58,6 +57,7 @@ from read_nodes import (
     service_members,
 )
 from services import Service
+from spinning import Start
 from use import End, Instance, Topic, end_of
 from wires import ModelOnWires, Stream, TopicOnWires, writing_inputs
 
@@ -641,7 +641,8 @@ class System:
             if text.callback is not None:
                 outside = tuple(v for v in self.variables if v.stays and number in v.users)
                 first = compiler.compile_callback(text.callback, outside)
-                kind = {"start": Start, "thread": Thread}.get(text.callback.kind, Callback)
+                kinds = {"start": Start, "main": Start, "thread": Thread}
+                kind = kinds.get(text.callback.kind, Callback)
                 found.append(kind(self, number, text.callback, compiler.nodes, first))
                 self.models_of.append(self.used_by(text.callback, compiler))
                 continue
