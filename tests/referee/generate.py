@@ -12,8 +12,8 @@ import random
 import re
 from pathlib import Path
 
-from random_calls import CallMaker
 from random_models import Known, Place
+from random_spins import SpinMaker
 
 KINDS = [
     "section5", "variables", "shared", "select", "arrays", "error", "values", "topics",
@@ -22,13 +22,13 @@ KINDS = [
 
 
 # Kinds of what Maide does not know yet: the comparison makes them where it is asked to.
-AHEAD = ["presence", "calls", "locks"]
+AHEAD = ["presence", "calls", "locks", "spins"]
 
 # What else a system of the kind `wires` may be, for the rest of them.
 WIRED = ["topics", "services", "nodes", "nodes", "death", "builtins"]
 
 
-class Generator(CallMaker):
+class Generator(SpinMaker):
     """Makes one system."""
 
     # --- properties
@@ -282,13 +282,15 @@ def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
     text = ""
     while not text or is_wired and awaits_null_in_vain(text):
         generator = Generator(rng, kind, own)
-        generator.is_wired = is_wired or kind == "presence" and rng.random() < 0.2
+        generator.is_wired = is_wired or kind in ("presence", "spins") and rng.random() < 0.2
         if kind == "presence":
             text = generator.presence_system()
         elif kind == "calls":
             text = generator.call_system()
         elif kind == "locks":
             text = generator.lock_system()
+        elif kind == "spins":
+            text = generator.spin_system()
         else:
             text = generator.race_system() if kind == "wires" else generator.system()
     path = own / "system.yaml"

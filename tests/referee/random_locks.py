@@ -61,7 +61,7 @@ class LockMaker(PresenceMaker):
 
     def entry_of(self, key: str, code: list[str]) -> list[str]:
         """A key and its code, a statement a line, which are easier to leave out."""
-        if self.kind == "locks":
+        if self.kind in ("locks", "spins"):
             code = re.findall(r"[^{};]*[{};]", " ".join(code))
         return super().entry_of(key, [line.strip() for line in code])
 
