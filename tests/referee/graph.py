@@ -120,6 +120,7 @@ class Component:
                 for other, control in step.also:
                     place = self.numbers.index(other)
                     controls = controls[:place] + (control,) + controls[place + 1 :]
+                step.carries = self.carried(step.world)
                 target = self.number(*self.followed(controls, step.world, at is None))
                 mark = (step.program, step.label, target)
                 if mark not in seen:
@@ -150,6 +151,12 @@ class Component:
                     continue
                 world = (models[:k] + (one.after,) + models[k + 1 :], shared)
                 yield None, Step(wire, label, None, world, (one.event,), death=one.is_loss)
+
+    def carried(self, world: tuple) -> tuple:
+        """Those who spin, and leave their statements in the step that led here."""
+        return tuple(
+            self.programs[at].number for at in self.spinners if self.programs[at].is_over(world)
+        )
 
     def followed(self, controls: tuple, world: tuple, is_arrival: bool) -> tuple[tuple, tuple]:
         """What follows in the same step: streams note what was sent, and with what arrives or is

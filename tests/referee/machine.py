@@ -41,6 +41,7 @@ class Step:
     choice: Any = None  # (place, outcome) of a fair choice
     cut: bool = False
     death: bool = False
+    carries: tuple = ()  # who spins, and leaves its statement where a callback ends
 
 
 def after_death(system: Any, world: World, programs: frozenset[int]) -> tuple[list[tuple], bool]:

@@ -26,7 +26,6 @@ from turns import (
     LOOK,
     NOBODY,
     USUAL,
-    Spin,
     Turn,
     is_answered,
     is_looking,
@@ -322,7 +321,7 @@ class NodeProgram(Program):
             if variable.stays and not can_run_together(users[0], self.text):
                 kept[at] = None
         turn = world[0][self.executor.use]._replace(left=())
-        if isinstance(turn.spin, Spin):
+        if self.text.kind != "thread":
             turn = turn._replace(spin=ERRED)
         return self.with_model((world[0], tuple(kept)), self.executor.use, turn)
 

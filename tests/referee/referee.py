@@ -93,7 +93,13 @@ class Referee:
                 and not is_left_out(program, state.controls[at])
             }
             runs = FairRuns(component.states, edges, frozenset(), "strong", component.numbers)
-            if runs.exists(nodes):
+            going_on = frozenset(
+                (number, k)
+                for number in nodes
+                for k, edge in enumerate(edges[number])
+                if program.number in edge.step.carries
+            )
+            if runs.exists(nodes, going_on):
                 return True
         return False
 

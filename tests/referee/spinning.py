@@ -69,8 +69,14 @@ class Start(NodeProgram):
             values = self.values_at(node, control, world)
             service = None if node.model is None else self.model(node.model, values.__getitem__)
             left = LOOK if is_looking(node) else ()
-            turn = Turn((), left, Spin(self.number, node.number, service))
+            turn = Turn((), left, Spin(self.number, node.number, service, node.limit))
         return control, self.with_model(world, self.executor.use, turn)
+
+    def is_over(self, world: World) -> bool:
+        """Whether a callback's step ends its statement."""
+        turn = world[0][self.executor.use]
+        is_mine = isinstance(turn.spin, Spin) and turn.spin.by == self.number
+        return is_mine and turn.spin.moved == "over"
 
     def followed(self, control: Control, world: World) -> tuple[Control, World]:
         """What follows in the step of a callback: no label of the statement holds any more, or it
@@ -82,7 +88,7 @@ class Start(NodeProgram):
             return control, world
         if turn.spin.moved is None:
             return control, world
-        if turn.spin.moved == "over":
+        if self.is_over(world):
             node = self.nodes[control[0]]
             values = self.values_at(node, control, world)
             return self.settled(self.arrive(node.next, values), world)

@@ -14,7 +14,7 @@ DEAD = ("dead",)
 
 # Who gives the callbacks their turns: the endless loop; nobody, while code runs and when it ended.
 USUAL, NOBODY, ENDED = "usual", "nobody", "ended"
-ERRED = "erred"  # a callback that somebody spun; an error keeps nothing of the one who spins
+ERRED = "erred"  # an error of a callback, which keeps nothing of the one who spins
 
 # In place of what is left of a look, where a look comes next.
 LOOK = "look"
@@ -26,7 +26,7 @@ class Spin(NamedTuple):
     by: int  # the program
     node: int
     service: int | None = None  # until its answer
-    ran: int = 0  # how many callbacks have run, where only so many may
+    more: int | None = None  # how many callbacks may still run, where that makes a difference
     moved: str | None = None  # within a step: "on", or "over", and then it leaves the statement
 
 
@@ -84,10 +84,17 @@ def with_one_more(system: Any, turn: Turn, number: int, left: tuple) -> Turn:
     turn = turn._replace(running=tuple(sorted((*turn.running, number))), left=left)
     if statement is None:
         return turn
-    ran = turn.spin.ran + (statement.limit is not None)
-    if ran == statement.limit:
+    if turn.spin.more is not None:
+        turn = turn._replace(spin=turn.spin._replace(more=turn.spin.more - 1))
+    if turn.spin.more == 0:
         turn = turn._replace(left=())  # it is over behind this one
-    return turn._replace(spin=turn.spin._replace(ran=ran)).moved()
+    return counted(statement, turn).moved()
+
+
+def counted(statement: Any, turn: Turn) -> Turn:
+    """The same without the count where it is over behind this one anyway."""
+    is_last = statement.mode == "some" and not turn.left
+    return turn._replace(spin=turn.spin._replace(more=None)) if is_last else turn
 
 
 def with_one_less(system: Any, turn: Turn, number: int) -> Turn:
@@ -98,13 +105,15 @@ def with_one_less(system: Any, turn: Turn, number: int) -> Turn:
         return turn
     if statement.mode == "once":
         return turn.over()
-    if is_looking(statement) and turn.spin.ran == statement.limit:
+    if turn.spin.more == 0:
         return turn.over()
     return passed(statement, turn.moved())
 
 
 def passed(statement: Any, turn: Turn) -> Turn:
     """The state after one of those that were found ran, or was passed over."""
-    if not is_looking(statement) or turn.left:
+    if not is_looking(statement):
+        return turn
+    if turn.left:
         return turn
     return turn.over() if statement.mode == "some" else turn._replace(left=LOOK)
