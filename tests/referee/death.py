@@ -10,7 +10,7 @@ from typing import Any
 
 from machine import Control, Program, Step, World, after_death
 from nodes import AtExecutor, Executor
-from turns import DEAD, NOBODY, Turn
+from turns import DEAD, ENDED, LOOK, NOBODY, Turn
 
 
 class Death(AtExecutor):
@@ -24,13 +24,15 @@ class Death(AtExecutor):
     def steps(self, control: Control, world: World) -> list[Step]:
         """The death, if the executor lives."""
         turn = world[0][self.executor.use]
-        if turn.running == DEAD:
+        if turn.running == DEAD or turn.spin == ENDED:
             return []
         models_after, cut = after_death(self.system, world, self.dying)
         also = tuple((n, self.system.programs[n].start()) for n in sorted(self.dying))
         found = []
         for models in models_after:
             dead = Turn(DEAD, turn.left, NOBODY)
+            if self.executor.main is not None:  # it cannot be told from one that ended
+                dead = Turn((), () if turn.left == LOOK else turn.left, ENDED)
             after = Program.with_model((models, world[1]), self.executor.use, dead)
             found.append(Step(self.number, ("dies",), control, after, also=also, death=True))
         if cut:

@@ -314,15 +314,16 @@ class NodeProgram(Program):
 
     def without_locals(self, world: World) -> World:
         """The world without what an error drops: the local variables of all callbacks that run in
-        turn with this one, and what is left of the last look."""
+        turn with this one, and what is left of the last look. An error in a thread drops its own
+        variables alone."""
         kept = list(world[1])
         for at, variable in enumerate(self.system.shared):
             users = [self.system.texts[n].callback for n in variable.users]
             if variable.stays and not can_run_together(users[0], self.text):
                 kept[at] = None
-        turn = world[0][self.executor.use]._replace(left=())
-        if self.text.kind != "thread":
-            turn = turn._replace(spin=ERRED)
+        if self.text.kind == "thread":
+            return (world[0], tuple(kept))
+        turn = world[0][self.executor.use]._replace(left=(), spin=ERRED)
         return self.with_model((world[0], tuple(kept)), self.executor.use, turn)
 
     def start(self) -> Control:

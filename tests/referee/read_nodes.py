@@ -95,6 +95,9 @@ def read_nodes(system: Any) -> list[NodeText]:
                 raise Refused(f"node {header}: two codes of one name")
             found.append(node)
             system.node_of[(name, index)] = (node, description, groups)
+    for executor in executors.values():
+        if executor.main is not None and all(node.executor is not executor for node in found):
+            raise Refused(f"executor {executor.name}: 'main', and no nodes")
     return found
 
 
