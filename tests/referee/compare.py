@@ -136,8 +136,10 @@ class Comparison:
                     continue
                 if self.old and name == "deadlock" and len(mine["components"]) > 1:
                     continue
-                known = entry.get("unless_starved")  # Maide does not look for it
-                if verdicts[name] not in (entry["verdict"], known):
+                # What Maide does not look for: it may not know it, or doubt it where who spins goes on.
+                known = entry.get("unless_starved")
+                doubts = known == "holds" and entry["verdict"] == "violated"
+                if verdicts[name] not in (entry["verdict"], known, doubts and "inconclusive"):
                     kind = name if name in ("deadlock", "stuck", "error") else "property"
                     found.append(
                         (

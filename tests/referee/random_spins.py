@@ -91,7 +91,8 @@ class SpinMaker(CallMaker):
             self.atoms += [f"{name}.write", f"{name}!message"]
             options = f"{rng.choice(['size', 'depth', 'depth'])}: {rng.choice([1, 1, 2])}"
             entry = f"use: queue, with: {{{options}}}{self.delivery(name)}"
-            lines.append(f"  {name}: {{writers: [{writer.name}], readers: [{reader.name}], {entry}}}")
+            ends = f"writers: [{writer.name}], readers: [{reader.name}]"
+            lines.append(f"  {name}: {{{ends}, {entry}}}")
         return lines
 
     # --- code
@@ -120,7 +121,8 @@ class SpinMaker(CallMaker):
         if not self.services:
             options = [self.marked(part, "skip;")]
             options += [f"{topic}.write;" for topic in part.writes] * 3
-            options += [f"{flag} = {self.rng.choice(['true', 'false'])};" for flag in part.flags] * 2
+            value = self.rng.choice(["true", "false"])
+            options += [f"{flag} = {value};" for flag in part.flags] * 2
             return [self.rng.choice(options)]
         return super().presence_action(part, depth)
 
@@ -177,7 +179,8 @@ class SpinMaker(CallMaker):
             limit = f" {rng.choice([1, 1, 2, 3])}" if self.chance(0.35) else ""
             return [self.marked(part, f"spin {kind}{limit};")]
         if kind == "while":
-            test = self.presence_condition(part) if part.flags + part.numbers + self.services else "*"
+            is_known = part.flags + part.numbers + self.services
+            test = self.presence_condition(part) if is_known else "*"
             inner = [rng.choice(["spin some;", "spin all 1;", "spin some 1;"])]
             if not rounds and self.chance(0.5):
                 inner = ["spin once;"]

@@ -291,7 +291,8 @@ def waits_in(value: Any, names: set[str]) -> bool:
     model = fields.get("model")
     if model is not None and model[0] in names:
         patterns = [fields.get("pattern"), *(arm[0] for arm in fields.get("outputs") or [])]
-        if fields.get("input") is None and any(p is not None and p[0] == "answer" for p in patterns):
+        is_answer = any(pattern is not None and pattern[0] == "answer" for pattern in patterns)
+        if is_answer and fields.get("input") is None:
             return True
     return any(waits_in(one, names) for one in fields.values())
 

@@ -128,7 +128,7 @@ class Service:
         if name == "answer" and program in self.client_of:
             client = self.clients[self.client_of[program]]
             if client.is_node and not client.hands_over:
-                raise Refused(f"service {self.name}: the client's own code takes the answers, and nobody waits")
+                raise Refused(f"service {self.name}: nobody waits for its answers")
 
     # --- changes of the state
 

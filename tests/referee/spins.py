@@ -183,10 +183,9 @@ CASES = [
          {**RUNS, "got": "holds"}, {"got": '"F n.start@got"'}),
     Case("start code that waits for an answer of its own executor",
          ASKS_IN_START.format("e"), HANGS),
-    # Before, in, behind the callback and at the end, dead before the timer came, and behind it: the
-    # last two are one.
+    # At `spin`, the callback, before the end; it died there, or ended: that is one.
     timer("it dies in main", SINGLE.replace("main", "may_die: true, main"), "spin once; @over "
-          "skip;", {**RUNS, "over": "violated"}, OVER),
+          "skip;", {**RUNS, "over": "violated"}, OVER, [(4, 6)]),
     timers("a callback that spins", "spin;", {"error": "violated"}, code="spin some;"),
     Case("a program that spins", 'programs: {p: "spin;"}', None),
     timer("no 'spin once' with rounds", ROUNDS, "spin once;", None),

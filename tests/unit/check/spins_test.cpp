@@ -34,6 +34,8 @@ std::string asks(
               : "  got: {ltl: \"F robot.main@got\", fairness: strong}\n"
                 "  late: {possible: \"robot.main@late\"}\n");
 }
+const std::string with_timer =
+    "callbacks: {on_go: {takes: go.read, do: \"@went skip;\"}, tick: {timer: 5, do: \"skip;\"}}";
 const std::string until = "lookup.send; spin until lookup -> answer; @got skip; @late skip; spin;";
 const std::string until_late =
     "lookup.send; spin until lookup -> answer timeout 500 { @late skip; } @got skip; spin;";
@@ -96,6 +98,10 @@ const test::VerdictCase spin_systems[] = {
     {"until_late_twice", "got", H,
      asks("repeat 2 { lookup.send; spin until lookup -> answer timeout 5 { skip; } } @got skip; "
           "@late skip; spin;")},
+    // Real time goes on while callbacks run.
+    {"until_late_and_a_timer", "got", H, asks(until_late, "skip;", with_timer)},
+    {"until_and_a_timer", "stuck", "inconclusive", asks(until, "skip;", with_timer)},
+    {"until_and_a_timer_answered", "stuck", H, asks(until, "lookup.answer;", with_timer)},
     {"waits_in_main", "deadlock", V, asks(waits_there)},
     {"waits_in_main", "went", V, asks(waits_there)},
     {"until_with_code", "got", H,
@@ -125,6 +131,9 @@ const test::VerdictCase spin_systems[] = {
     {"some_until_two", "done", H, counts("while (n < 2) { spin some; }", "any", tick)},
     {"some_until_two", "two", H, counts("while (n < 2) { spin some; }", "rounds", tick)},
     {"some_of_one", "one", H, counts("spin some 1;", "any", tick)},
+    // A label holds until the first step.
+    {"labelled", "first", H,
+     counts("@first spin all;") + "  first: \"G (n == 1 -> !robot.main@first)\"\n"},
     {"all", "two", H, counts("spin all;")},
     {"all", "none", H, counts("spin all;")},
     {"all_by_rounds", "two", H, counts("spin all;", "rounds")},
@@ -184,6 +193,14 @@ TEST(Spins, SlipsAreNamedWithTheirPlace) {
             "'spin' runs the executor of its 'main', and in a 'start' its node alone; 'other' from "
             "elsewhere is not built (s.yaml:2:46)");
   EXPECT_EQ(error_of_spin("spin main; spin once main; spin some main 3; spin all (1 + 1);"), "");
+  EXPECT_EQ(test::error_of([&] {
+              parse_system(
+                  "constants: {k: 2}\nexecutors: {e: {kind: single, main: \"spin some k; "
+                  "spin all e k;\"}}\nnodes: {n: {executor: e, callbacks: {t: {timer: 5, "
+                  "do: \"skip;\"}}}}\n",
+                  "s.yaml", test::test_model);
+            }),
+            "");
   EXPECT_EQ(error_of_spin("spin some 0;"), "'spin' runs from 1 to 100 callbacks (s.yaml:2:51)");
   EXPECT_EQ(error_of_spin("spin until lookup -> request;"),
             "'spin until' waits for the answer of a service (s.yaml:2:52)");

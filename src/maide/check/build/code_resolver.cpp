@@ -641,6 +641,14 @@ void CodeResolver::resolve_spin(const syntax::Statement& from, Statement& to) {
     names_.fail("'spin' stands in 'main' of an executor, or in the code of a node", from.place);
   }
   const bool is_main = callback->kind == Callback::Kind::main;
+  if (names_a_count(from)) {
+    syntax::Statement counted = from;
+    counted.expression.emplace();
+    counted.expression->kind = syntax::Term::Kind::name;
+    counted.expression->name = std::exchange(counted.name, {});
+    counted.expression->place = counted.expression->begin = from.name.place;
+    return resolve_spin(counted, to);
+  }
   if (!from.name.text.empty() && !(is_main && from.name.text == work_.thread->executor)) {
     names_.fail("'spin' runs the executor of its 'main', and in a 'start' its node alone; '" +
                     from.name.text + "' from elsewhere is not built",
@@ -705,6 +713,25 @@ void CodeResolver::resolve_spin_of(const std::vector<const Callback*>& callbacks
   for (const syntax::SelectArm& late : from.select_arms) {
     to.select_arms.push_back(resolve_select_arm(late));
   }
+  // A label holds before the first step, and not when a callback has ended.
+  if (to.labels.empty()) return;
+  Statement first;
+  first.kind = Statement::Kind::inner;
+  first.labels = std::exchange(to.labels, {});
+  first.line = to.line;
+  first.column = to.column;
+  first.callback = to.callback;
+  first.body = std::make_unique<Block>();
+  first.body->statements.push_back(std::move(to));
+  to = std::move(first);
+}
+
+bool CodeResolver::names_a_count(const syntax::Statement& from) const {
+  using Spin = syntax::Statement::Spin;
+  const bool is_counted = from.spin == Spin::some || from.spin == Spin::all;
+  if (!is_counted || from.expression || from.name.text.empty()) return false;
+  const auto known = names_.find(from.name.text);
+  return known && known->kind == Binding::Kind::constant;
 }
 
 void CodeResolver::resolve_until(const syntax::Statement& from, Statement& to) {

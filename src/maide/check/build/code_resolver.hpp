@@ -44,6 +44,8 @@ class CodeResolver {
   // Its arms, and what it may do beside.
   void resolve_spin_of(const std::vector<const Callback*>& callbacks, const syntax::Statement& from,
                        Statement& to);
+  // `spin some n;`, of a constant n.
+  bool names_a_count(const syntax::Statement& from) const;
   void resolve_until(const syntax::Statement& from, Statement& to);
   // A variable of the program that no text names, 0 at first.
   Expression add_slot(const std::string& name, const ValueType& type,

@@ -40,6 +40,15 @@ bool Program::may_end() const {
   return false;
 }
 
+bool Program::spins_until_answer(ControlState state) const {
+  const auto edges = edges_of(state);
+  return std::ranges::any_of(spins_until, [&](const SourcePosition& spin) {
+    return std::ranges::any_of(edges, [&](const ProgramEdge& edge) {
+      return edge.line == spin.line && edge.column == spin.column;
+    });
+  });
+}
+
 bool Program::may_die() const {
   return std::ranges::any_of(edges, [&](const ProgramEdge& edge) { return is_death(edge); });
 }

@@ -166,8 +166,8 @@ struct Program {
   // Values by variable; none where it is out of scope. [0]: no variable is in scope.
   std::vector<std::vector<std::optional<Value>>> valuations;
   std::vector<ProgramError> errors;  // [0] is not used
-  // For messages: the lines where it runs callbacks until an answer is there.
-  std::vector<int> spins_until;
+  // Where it runs callbacks until an answer is there.
+  std::vector<SourcePosition> spins_until;
   // For messages: a guard that reads own variables has no edge where it does not hold.
   std::vector<Select> selects;  // by control state
   std::vector<std::vector<Guard>> guard_lists;
@@ -188,6 +188,8 @@ struct Program {
   // It is an executor's, or a part of one: no thread of a node's own, and no program.
   bool runs_callbacks() const { return !execution.empty(); }
   bool is_error(ControlState state) const { return states[state].error != 0; }
+  // It runs callbacks until an answer is there, and stands between two.
+  bool spins_until_answer(ControlState state) const;
   // It may stand there for ever.
   bool may_rest(ControlState state) const { return flags.may_rest || states[state].may_rest; }
   // The control state that has the edge. O(log control states).

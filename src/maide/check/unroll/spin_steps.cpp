@@ -31,8 +31,12 @@ void SpinSteps::expand_callbacks(const Place& place, const Statement& statement,
   const FrameId leaving = behind(place.frame);
   Uses not_yet;
   if (statement.spin == Spin::until) {
-    std::vector<int>& lines = program_.spins_until;
-    if (std::ranges::find(lines, statement.line) == lines.end()) lines.push_back(statement.line);
+    auto& spins = program_.spins_until;
+    const SourcePosition position = at(statement.line, statement.column);
+    const bool is_known = std::ranges::any_of(spins, [&](const SourcePosition& spin) {
+      return spin.line == position.line && spin.column == position.column;
+    });
+    if (!is_known) spins.push_back(position);
     const std::uint32_t model = model_of(statement.model, values);
     const Service& service = names_.services.at(model);
     const Arm& arm = statement.arms.front();
@@ -53,7 +57,10 @@ void SpinSteps::expand_callbacks(const Place& place, const Statement& statement,
                          statement.spin == Spin::once ? leaving : place.frame);
       continue;
     }
-    add_combined({CombinedStep::Role::timeout, not_yet, {}, "timeout", 0},
+    // Time goes on, whatever callbacks run meanwhile.
+    const std::uint32_t fair =
+        fair_group(statement.callback, arm.line, arm.column, 0, false, "timeout");
+    add_combined({CombinedStep::Role::timeout, not_yet, {}, "timeout", fair},
                  settle(enter(*arm.body, leaving), values), arm.line, arm.column);
   }
 }

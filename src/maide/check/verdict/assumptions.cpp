@@ -272,20 +272,12 @@ class AssumptionList {
       return result.name == "stuck" && result.verdict == Verdict::holds;
     });
     std::set<std::string> names;
-    std::set<int> spins;
     for (const Program& program : system_.programs) {
-      spins.insert(program.spins_until.begin(), program.spins_until.end());
       std::set<std::uint32_t> callbacks;
       for (const CombinedStep& combined : program.combined) {
         if (combined.callback) callbacks.insert(*combined.callback);
       }
       if (callbacks.size() > 1) names.insert(program.nodes.begin(), program.nodes.end());
-    }
-    if (holds && !spins.empty()) {
-      lines_.push_back(fmt::format(
-          "stuck: whether `spin until` at line{} {} ends is not looked at while callbacks run "
-          "there (a formula says `F node.main@label`)",
-          spins.size() == 1 ? "" : "s", fmt::join(spins, ", ")));
     }
     if (!holds || names.empty()) return;
     lines_.push_back(fmt::format(

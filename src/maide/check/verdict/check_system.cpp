@@ -97,17 +97,20 @@ class PartChecker {
     return result;
   }
 
-  // Where callbacks go round for ever on fair runs, or may.
-  std::set<int> find_endless() {
-    std::set<int> lines;
-    for (auto& [program, loops] : find_endless_callbacks(system_)) {
-      const EndlessQuestion asked = ask_whether_endless(system_, program);
-      const bool is_answered =
-          engine_.obstacle(asked.system, asked.property).empty() &&
-          engine_.check(asked.system, asked.property, options_).verdict == Verdict::holds;
-      if (!is_answered) lines.merge(loops);
+  // Where callbacks go round for ever on fair runs, or may, or run for ever in a spin.
+  EndlessLines find_endless() {
+    EndlessLines all;
+    for (auto& [program, lines] : find_endless_callbacks(system_)) {
+      if (!lines.loops.empty() && may_be_endless(program, false)) all.loops.merge(lines.loops);
+      if (!lines.spins.empty() && may_be_endless(program, true)) all.spins.merge(lines.spins);
     }
-    return lines;
+    return all;
+  }
+
+  bool may_be_endless(std::uint32_t program, bool spins) {
+    const EndlessQuestion asked = ask_whether_endless(system_, program, spins);
+    return !engine_.obstacle(asked.system, asked.property).empty() ||
+           engine_.check(asked.system, asked.property, options_).verdict != Verdict::holds;
   }
 
   // A "holds" that leans on something that is not known.
@@ -128,7 +131,8 @@ class PartChecker {
     const std::optional<std::string> hidden = find_hidden_return(system_, uses_);
     if (const auto weakness = find_weakness(system_)) reasons.push_back(*weakness);
     if (property.kind == Property::Kind::stuck) {
-      if (const auto lines = find_endless(); !lines.empty()) {
+      const EndlessLines lines = find_endless();
+      if (!lines.loops.empty() || !lines.spins.empty()) {
         reasons.push_back(describe_endless(lines));
       }
     }

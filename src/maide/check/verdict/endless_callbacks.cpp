@@ -54,29 +54,34 @@ std::set<int> find_endless_lines(const System& system, const Program& program) {
 
 }  // namespace
 
-std::map<std::uint32_t, std::set<int>> find_endless_callbacks(const System& system) {
-  std::map<std::uint32_t, std::set<int>> found;
+std::map<std::uint32_t, EndlessLines> find_endless_callbacks(const System& system) {
+  std::map<std::uint32_t, EndlessLines> found;
   for (std::uint32_t number = 0; number < system.programs.size(); ++number) {
     const Program& program = system.programs[number];
     if (!program.runs_callbacks()) continue;
-    std::set<int> lines = find_endless_lines(system, program);
-    if (!lines.empty()) found.emplace(number, std::move(lines));
+    EndlessLines lines{find_endless_lines(system, program), {}};
+    for (const SourcePosition& spin : program.spins_until) lines.spins.insert(spin.line);
+    if (!lines.loops.empty() || !lines.spins.empty()) found.emplace(number, std::move(lines));
   }
   return found;
 }
 
-EndlessQuestion ask_whether_endless(const System& system, std::uint32_t number) {
+EndlessQuestion ask_whether_endless(const System& system, std::uint32_t number, bool spins) {
   EndlessQuestion question{system, {}};
   Program& program = question.system.programs[number];
-  const auto label = static_cast<std::uint32_t>(program.labels.size());
-  program.labels.emplace_back("in no callback");
+  const auto elsewhere = static_cast<std::uint32_t>(program.labels.size());
+  const std::uint32_t inside = elsewhere + 1, between = elsewhere + 2;
+  program.labels.insert(program.labels.end(),
+                        {"elsewhere", "in a callback", "between two of a spin"});
   const auto callbacks = callbacks_in(program);
-  std::map<std::uint32_t, std::uint32_t> marked;  // by label set
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> marked;  // by set and label
   for (ControlState state = 0; state < program.states.size(); ++state) {
-    if (callbacks[state]) continue;
+    const std::uint32_t label = callbacks[state]                    ? inside
+                                : program.spins_until_answer(state) ? between
+                                                                    : elsewhere;
     std::uint32_t& labels = program.states[state].label_set;
     const auto [known, is_new] =
-        marked.try_emplace(labels, static_cast<std::uint32_t>(program.label_sets.size()));
+        marked.try_emplace({labels, label}, static_cast<std::uint32_t>(program.label_sets.size()));
     if (is_new) {
       std::vector<std::uint32_t> more = program.label_sets[labels];
       more.push_back(label);
@@ -85,19 +90,40 @@ EndlessQuestion ask_whether_endless(const System& system, std::uint32_t number) 
     labels = known->second;
   }
   using Operator = FormulaNode::Operator;
+  const auto at = [&](std::uint32_t label) {
+    return make_formula(Atom{Atom::Kind::label, number, label});
+  };
+  const auto again = [](const Formula& formula) {
+    return make_formula(Operator::globally, make_formula(Operator::finally, formula));
+  };
+  const auto in_the_end = [](const Formula& formula) {
+    return make_formula(Operator::finally, make_formula(Operator::globally, formula));
+  };
   question.property.name = "stuck";
   question.property.fairness = Fairness::strong;
-  question.property.formula = make_formula(
-      Operator::globally,
-      make_formula(Operator::finally, make_formula(Atom{Atom::Kind::label, number, label})));
+  // Who stands still in a spin or a callback is no matter of this.
+  question.property.formula =
+      spins ? make_formula(Operator::disjunction, again(at(elsewhere)),
+                           make_formula(Operator::disjunction, in_the_end(at(between)),
+                                        in_the_end(at(inside))))
+            : again(make_formula(Operator::negation, at(inside)));
   return question;
 }
 
-std::string describe_endless(const std::set<int>& lines) {
-  return fmt::format(
-      "the code of a callback may go round for ever at line{} {}, and what its thread or group "
-      "keeps from starting then is not looked at",
-      lines.size() == 1 ? "" : "s", fmt::join(lines, ", "));
+std::string describe_endless(const EndlessLines& lines) {
+  std::string text;
+  if (!lines.loops.empty()) {
+    text = fmt::format(
+        "the code of a callback may go round for ever at line{} {}, and what its thread or group "
+        "keeps from starting then is not looked at",
+        lines.loops.size() == 1 ? "" : "s", fmt::join(lines.loops, ", "));
+  }
+  if (lines.spins.empty()) return text;
+  return text + (text.empty() ? "" : "; ") +
+         fmt::format(
+             "callbacks may run for ever at the `spin until` of line{} {}, whose answer never "
+             "comes (a formula says that it comes: `F node.main@label`)",
+             lines.spins.size() == 1 ? "" : "s", fmt::join(lines.spins, ", "));
 }
 
 }  // namespace maide

@@ -1,6 +1,6 @@
-// Callbacks whose code may go round for ever: what their threads and groups keep from starting then
-// `stuck` does not look at. A loop in the text is not enough for that: it is asked whether some
-// strongly fair run stays in it.
+// Callbacks whose code may go round for ever, and spins that may wait for ever for an answer while
+// callbacks run: what that keeps from going on `stuck` does not look at. A loop in the text is not
+// enough for that: it is asked whether some strongly fair run stays in it.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,21 @@
 
 namespace maide {
 
-// Lines of the text with such loops, by program. O(edges).
-std::map<std::uint32_t, std::set<int>> find_endless_callbacks(const System& system);
+// Lines of the text with such loops and such spins, by program. O(edges).
+struct EndlessLines {
+  std::set<int> loops, spins;
+};
+std::map<std::uint32_t, EndlessLines> find_endless_callbacks(const System& system);
 
-// That on strongly fair runs the program is again and again in the code of no callback: a system
-// with one more label, and the property.
+// That on strongly fair runs the program comes again and again out of the code of callbacks; or,
+// where it spins, out of the spin. A system with more labels, and the property.
 struct EndlessQuestion {
   System system;
   Property property;
 };
-EndlessQuestion ask_whether_endless(const System& system, std::uint32_t program);
+EndlessQuestion ask_whether_endless(const System& system, std::uint32_t program, bool spins);
 
-std::string describe_endless(const std::set<int>& lines);
+// What is not looked at, in one line.
+std::string describe_endless(const EndlessLines& lines);
 
 }  // namespace maide

@@ -285,7 +285,7 @@ class WayFinder {
     if (!is_there) {
       const ControlState at = state_.programs[index];
       const bool is_spun = system_.callbacks[callback].kind == CallbackKind::client &&
-                           spins_until_answer(program, at);
+                           program.spins_until_answer(at);
       if (helper.obstacle == Obstacle::none && !is_spun && !may_start_any(program, at)) {
         helper.obstacle = index == waiting_ ? Obstacle::own_thread : Obstacle::busy;
       }
@@ -294,14 +294,6 @@ class WayFinder {
     helper.obstacle = lacks_thread ? Obstacle::no_thread : Obstacle::not_started;
     if (lacks_thread) helper.holders = running_on(system_.callbacks[callback].executor);
     return helper;
-  }
-
-  // It would run the client's callback if there were something for it.
-  static bool spins_until_answer(const Program& program, ControlState at) {
-    const auto edges = program.edges_of(at);
-    return std::ranges::any_of(edges, [&](const ProgramEdge& edge) {
-      return std::ranges::find(program.spins_until, edge.line) != program.spins_until.end();
-    });
   }
 
   // Some callback starts there, or would where a guard held.
