@@ -76,6 +76,12 @@ const test::VerdictCase request_systems[] = {
      asked("ask.send; ask.send; select { on ask!answer { } timeout 5 { } }", loses_one)},
     {"receive_without_arrow", "deadlock", H,
      asked("ask.send; ask.receive; skip; wait ask -> answer;", answers)},
+    // The answer may become due between the time-out and the request that gives it up. It is taken,
+    // and so is the next one; where it comes later it is thrown away, and the last receive waits.
+    {"due_and_overdue", "deadlock", V,
+     asked("ask.send; ask.receive; select { on ask.receive -> answer { } timeout 5 { ask.send; } } "
+           "wait ask -> answer; ask.receive -> answer;",
+           answers_twice)},
     {"never_asked", "deadlock", V, asked(receive, answers)},
 };
 

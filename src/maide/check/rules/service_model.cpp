@@ -222,10 +222,10 @@ void ServiceModel::die(State& state, bool is_server, std::uint32_t clients) cons
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
     if ((clients >> number & 1) == 0) continue;
     for (std::uint32_t run = 0; run < shape_.askers[number]; ++run) forget(state, number, run);
-    if (is_program(number)) give_up_all(state, number);
     State::Client& client = state.clients[number];
     client.is_dead = 1;
     client.waits = 0;
+    if (is_program(number)) give_up_all(state, number);
     client.answers.clear();
     client.coming.clear();
   }
@@ -333,6 +333,7 @@ bool ServiceModel::take_last(State& state, std::uint32_t number) const {
 
 void ServiceModel::complete(State& state, std::uint32_t number) const {
   State::Client& client = state.clients[number];
+  MAIDE_CHECK(!client.handed.empty());
   client.handed.erase(client.handed.begin());
   state.for_each_owner(number, [](std::uint32_t& owner) {
     if (owner > oldest) --owner;
@@ -353,7 +354,8 @@ std::uint32_t ServiceModel::begin_request(State& state, std::uint32_t number,
 }
 
 void ServiceModel::give_up_all(State& state, std::uint32_t number) const {
-  state.clients[number].handed.clear();
+  // An answer that is due is to the oldest, which stays open until it is taken.
+  state.clients[number].handed.assign(state.clients[number].waits == 2 ? 1 : 0, 0);
   state.for_each_owner(number, [](std::uint32_t& owner) {
     if (owner >= oldest) owner = given_up;
   });
