@@ -41,9 +41,9 @@ bool Program::may_end() const {
 }
 
 bool Program::spins_until_answer(ControlState state) const {
-  const auto edges = edges_of(state);
+  const auto here = edges_of(state);
   return std::ranges::any_of(spins_until, [&](const SourcePosition& spin) {
-    return std::ranges::any_of(edges, [&](const ProgramEdge& edge) {
+    return std::ranges::any_of(here, [&](const ProgramEdge& edge) {
       return edge.line == spin.line && edge.column == spin.column;
     });
   });
