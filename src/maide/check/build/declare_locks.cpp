@@ -83,6 +83,11 @@ std::uint32_t mutex_of(Declarations& file, const TreeNode& option, const Indices
 }  // namespace
 
 void declare_locks(Declarations& file) {
+  using Kind = ModelOrigin::Kind;
+  const bool has_locks = std::ranges::any_of(file.origins, [](const ModelOrigin& origin) {
+    return origin.kind == Kind::recursive_mutex || origin.kind == Kind::condition;
+  });
+  if (!has_locks) return;
   std::vector<UsedNames> used;
   for (const ProgramDeclaration& program : file.programs) used.push_back(names_in(file, program));
   for (const TreeNode& entry : file.tree().entries("models")) {

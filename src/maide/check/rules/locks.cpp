@@ -51,6 +51,7 @@ InterfaceAutomaton make_recursive_mutex(std::size_t users, bool has_trylock) {
   InterfaceAutomaton mutex(Alphabet(std::span<const std::string>(inputs)),
                            Alphabet(std::span<const std::string>(outputs)),
                            has_trylock ? 3 * std::size_t{plain} - 2 : plain);
+  mutex.origin = {{"recursive", "true"}};
   for (StateId held = 1; has_trylock && held < plain; ++held) {
     mutex.add_transition(before_yes(held, users), {Action::Kind::output, 0}, held);
     mutex.add_transition(before_no(held, users), {Action::Kind::output, 1}, held);

@@ -40,9 +40,10 @@ std::string describe_bound(const ModelInstance& model) {
 std::string describe_built_in(const ModelInstance& model) {
   const InterfaceAutomaton& automaton = model.automaton;
   if (const BuiltInModel* const known = find_built_in(model.origin)) {
-    const bool is_held = automaton.size() > 4;  // who holds it makes a difference
-    if (known->option.empty())
-      return fmt::format("a {}{}", is_held ? "recursive " : "", known->name);
+    const bool is_recursive = automaton.origin.contains("recursive");
+    if (known->option.empty()) {
+      return fmt::format("a {}{}", is_recursive ? "recursive " : "", known->name);
+    }
     return fmt::format("a {} of {} {}", known->name, known->option,
                        automaton.origin.at(std::string(known->option)));
   }

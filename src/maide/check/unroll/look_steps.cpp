@@ -137,6 +137,19 @@ std::uint32_t LookSteps::fair_look(const Statement& statement, const Values& val
                     false, "a look");
 }
 
+void LookSteps::add_look(const Look& look, const std::string& if_nothing,
+                         const Statement& statement, const Values& values, ControlState target) {
+  const std::uint32_t fair = fair_look(statement, values, look.found);
+  for (const Uses& way : look.ways) {
+    add_combined({CombinedStep::Role::look,
+                  way,
+                  {},
+                  look.found == 0 ? if_nothing : "finds " + look.text,
+                  fair},
+                 target, statement.line, statement.column);
+  }
+}
+
 std::vector<Uses> LookSteps::start_found(const Place& place, const SelectArm& arm,
                                          const Values& values, const std::vector<Uses>& passed,
                                          bool discards, FrameId next) {
@@ -193,15 +206,7 @@ void LookSteps::expand_rounds(const Place& place, const Statement& statement,
     behind_it[slot] = static_cast<Value>(look.found | still);
     if (look.ways.empty()) continue;
     const ControlState target = settle(place.frame, behind_it);
-    const std::uint32_t fair = fair_look(statement, values, look.found);
-    for (const Uses& way : look.ways) {
-      add_combined({CombinedStep::Role::look,
-                    way,
-                    {},
-                    look.found == 0 ? "looks" : "finds " + look.text,
-                    fair},
-                   target, statement.line, statement.column);
-    }
+    add_look(look, "looks", statement, values, target);
   }
 }
 

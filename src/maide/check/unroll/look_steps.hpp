@@ -33,6 +33,9 @@ class LookSteps : public SelectSteps {
   // On fair runs each timer is due again and again, alone and together with others: the group of a
   // look that finds these. 0: there is no timer.
   std::uint32_t fair_look(const Statement& statement, const Values& values, std::uint64_t found);
+  // The look's step, in each of its ways, to that control state.
+  void add_look(const Look& look, const std::string& if_nothing, const Statement& statement,
+                const Values& values, ControlState target);
   // The arm's callback starts, of those that a look found, after others were passed over; then
   // control goes on at `next`. Returns how it is passed over itself; empty: never.
   std::vector<Uses> start_found(const Place& place, const SelectArm& arm, const Values& values,

@@ -73,15 +73,7 @@ void SpinSteps::expand_look(const Place& place, const Statement& statement, cons
     if (look.found == 0 && statement.counter) behind_it[*statement.counter] = 0;
     const ControlState target =
         settle(look.found == 0 ? behind(place.frame) : place.frame, behind_it);
-    const std::uint32_t fair = fair_look(statement, values, look.found);
-    for (const Uses& way : look.ways) {
-      add_combined({CombinedStep::Role::look,
-                    way,
-                    {},
-                    look.found == 0 ? "finds nothing" : "finds " + look.text,
-                    fair},
-                   target, statement.line, statement.column);
-    }
+    add_look(look, "finds nothing", statement, values, target);
   }
 }
 
