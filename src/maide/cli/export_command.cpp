@@ -129,7 +129,7 @@ Export export_property(const ExportArguments& arguments, Context& context) {
                        "' is an automaton of bad runs: it is written with --negated");
     }
     automaton = *property.never;
-  } else if (property.kind == Property::Kind::ltl) {
+  } else if (property.kind == Property::Kind::ltl && !property.is_always_possible) {
     automaton = translate(arguments.negated
                               ? make_formula(FormulaNode::Operator::negation, property.formula)
                               : property.formula,

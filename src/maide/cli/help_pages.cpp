@@ -143,6 +143,7 @@ Sections; `programs` or `nodes` must be there:
   topics:      NAME: {writers: P, readers: [Q, R], use: queue, with: {depth: n},
                       readers_with: {R: {size: 1}}}      keys as at a model
   services:    NAME: {server: P, clients: [Q, R], with: {depth: n}}
+               ends may be `anybody`: values: 0..3, fair: true, may_not_answer
                all three: delivery: late|at_once, loses: true   stream: A
   variables:   "var n: 0..3; var ok: bool;"     what several programs use
   procedures:  NAME(m, k): "STATEMENTS"         parameters: any names
@@ -152,7 +153,8 @@ Sections; `programs` or `nodes` must be there:
                       clients: {S: G}, variables: "...", callbacks: {C: {do:
                       "...", group: G, takes: M.read | timer: MS | serves: S}}}
   properties:  NAME: "FORMULA"  {ltl: "FORMULA", fairness: none|weak|strong}
-               {always | possible: "EXPRESSION"}  {never: FILE.hoa}
+               {always | possible | always_possible: "EXPRESSION"}
+               {never: FILE.hoa}             holes: [TEXT]   nothing "holds"
   NAME[i in LOW..HIGH] is an array, of all but constants, executors, properties.
 
 Statements (M: model, x: variable, e: expression; @name before one labels it):
@@ -170,7 +172,8 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   if (e) { } else if (e) { } else { }     by values;  idle STATEMENT rests
   if * { } else { }  if fair * { }  x = any e..e;  x = any fair e..e;   choices
   loop { }  while (e) { }  repeat e { }  for k in e..e { }  break;  continue;
-  var x: 0..3 = 1;  var ok: bool;  var m: {idle, busy};  var a[k in 0..9]: bool;
+  var x: 0..3 = 1;  var ok: bool = any;  var m: {idle, busy};
+  var a[k in 0..9]: bool;                 STATEMENT at "FILE:LINE";   its source
   x = e;  a[e] = e;                       no step, unless a variable is shared
   atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
   call p(ARGUMENTS);  return;  stop;  skip;  unknown;  run THREAD;  join THREAD;

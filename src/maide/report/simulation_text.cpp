@@ -88,7 +88,8 @@ std::string describe_model(const System& system, std::uint32_t index, StateId st
   using Source = ModelInstance::Source;
   const ModelInstance& model = system.models[index];
   switch (model.source) {
-    case Source::executor: return "";
+    case Source::executor:
+    case Source::anybody: return "";
     case Source::variable:
       return model.name + " = " + to_string(model.type.at(state), model.type.kind, system.words);
     case Source::service:

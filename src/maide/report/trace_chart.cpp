@@ -357,7 +357,9 @@ SequenceChart make_trace_chart(const System& system, const Trace& trace, std::st
                                          ? by_itself(system, lanes, trace, at, sendings.ended[at])
                                          : to_message(system, lanes, step);
     message.step = at;
-    if (!is_by_itself) {
+    if (const auto origin = origin_of(system, step)) {
+      message.place = name_of_place(*origin);  // what stands there is no text of the system file
+    } else if (!is_by_itself) {
       const int line = place_of(system, step).line;
       const auto [source, is_new] = sources.try_emplace({step.actor, line});
       if (is_new) source->second = source_line(system, system.programs[step.actor], line);

@@ -152,9 +152,10 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
     return doer == nobody ? "-" : actor_name(system, doer);
   };
   const auto line_of = [&](const Step& step) -> std::string {
+    if (const auto origin = origin_of(system, step)) return name_of_place(*origin);
     const SourcePosition place = place_of(system, step);
     if (place.line == 0) return "";
-    return fmt::format("{}:{}", std::filesystem::path(place.file).filename().string(), place.line);
+    return name_of_place(place);
   };
   for (const Step& step : trace.steps) {
     name_width = std::max(name_width, name_of(step).size());
@@ -190,6 +191,10 @@ void write_steps(std::ostream& out, const System& system, const Trace& trace,
 }
 
 }  // namespace
+
+std::string name_of_place(const SourcePosition& place) {
+  return fmt::format("{}:{}", std::filesystem::path(place.file).filename().string(), place.line);
+}
 
 void write_run_text(std::ostream& out, const System& system, const Trace& trace, TraceFormat format,
                     const ChartTextStyle& style) {

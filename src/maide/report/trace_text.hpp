@@ -20,6 +20,9 @@ namespace maide {
 // there. Both fold repetitions (fold_chart()).
 enum class TraceFormat : std::uint8_t { chart, steps };
 
+// "node.cpp:12": a place without its folder.
+std::string name_of_place(const SourcePosition& place);
+
 // Writes the run, as steps, too, if the chart does not fit.
 void write_run_text(std::ostream& out, const System& system, const Trace& trace, TraceFormat format,
                     const ChartTextStyle& style);

@@ -25,6 +25,7 @@ class ArrivalMaker {
     }
     for (const auto& [model, service] : names_.services) add(model, service);
     for (const auto& [model, service] : names_.services) add_gone(model, service);
+    for (const auto& [model, service] : names_.services) add_coming(model, service);
   }
 
  private:
@@ -128,6 +129,18 @@ class ArrivalMaker {
         actions_.variable(*service.presence, &is_there, 0)};
     system_.nobodys_groups.push_back("the news that the server of " + service.name + " is dead");
     add(std::move(gone), model);
+  }
+
+  // Anybody, the server, is there from some time on.
+  void add_coming(std::uint32_t model, const Service& service) {
+    if (!service.is_server_anybody || !service.presence) return;
+    const std::vector<bool> is_away{true, false};
+    NobodysAction comes;
+    comes.what.text = service.name + " is there";
+    comes.what.fair = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+    comes.what.uses = {actions_.variable(*service.presence, &is_away, 1)};
+    system_.nobodys_groups.push_back("the server of " + service.name + ", whoever it is");
+    add(std::move(comes), model);
   }
 
   void add(NobodysAction action, std::uint32_t to) {

@@ -12,6 +12,7 @@
 
 #include "maide/base/file.hpp"
 #include "maide/check/build/arrivals.hpp"
+#include "maide/check/build/first_values.hpp"
 #include "maide/check/build/wires.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/check/system/model_actions.hpp"
@@ -35,12 +36,15 @@ class SystemBuilder {
     system_.models = std::move(models_.instances);
     system_.words = std::move(models_.words);
     system_.services = file_.services;
+    system_.open_ends = file_.open_ends;
+    if (const TreeNode* const holes = file_.tree().root.find("holes")) add_holes(*holes);
     system_.callbacks = file_.callbacks;
     for (const ExecutorDeclaration& executor : file_.executors) {
       system_.executors.push_back({executor.name, executor.threads, executor.goes_by_rounds});
     }
     make_all_programs();
     find_own_variables();
+    choose_first_values();
     add_topics();
     interfaces_ = system_.interfaces();
     for (const TreeNode& entry : file_.tree().entries("properties")) add_property(entry);
@@ -68,6 +72,26 @@ class SystemBuilder {
     }
   }
 
+  // Of variables that several programs use: a program's own are chosen in its code.
+  void choose_first_values() {
+    std::vector<std::uint32_t> variables;
+    for (const auto& [name, variable] : models_.names.variables) {
+      if (!variable.is_any || variable.leaf.op != Expression::Operator::shared) continue;
+      const std::uint64_t count = member_count(variable.leaf.dimensions);
+      for (std::uint32_t member = 0; member < count; ++member) {
+        variables.push_back(variable.leaf.index + member);
+      }
+    }
+    std::ranges::sort(variables);
+    if (!variables.empty()) maide::choose_first_values(system_, variables);
+  }
+
+  // What the file says that it leaves out.
+  void add_holes(const TreeNode& holes) {
+    if (holes.yaml->is_scalar()) system_.holes.push_back(holes.text());
+    for (const YamlEntry& one : holes.yaml->entries) system_.holes.push_back(one.value.value);
+  }
+
   // ---- Programs ---------------------------------------------------------------------------------
 
   void make_all_programs() {
@@ -92,6 +116,9 @@ class SystemBuilder {
       program.nodes = declared.nodes;
       program.execution = declared.execution;
       program.process = declared.process;
+      for (CombinedStep& combined : program.combined) {
+        combined.awaits_anybody = combined.awaits_anybody || declared.may_stay_away;
+      }
       if (declared.thread) name_callbacks(program, *declared.thread);
       if (declared.may_die) name_ends(program, number);
     }
@@ -176,20 +203,25 @@ class SystemBuilder {
     for (const TreeNode& field : entry.children) {
       if (field.name_text() == "fairness") continue;
       if (what != nullptr) {
-        file_.tree().fail_at_name("a property has one of 'ltl', 'always', 'possible' and 'never'",
-                                  field);
+        file_.tree().fail_at_name(
+            "a property has one of 'ltl', 'always', 'possible', "
+            "'always_possible' and 'never'",
+            field);
       }
       what = &field;
     }
     if (what == nullptr) {
-      file_.tree().fail_at_name("a property needs 'ltl:', 'always:', 'possible:' or 'never:'",
-                                entry);
+      file_.tree().fail_at_name(
+          "a property needs 'ltl:', 'always:', 'possible:', 'always_possible:' or 'never:'", entry);
     }
     property.is_possibility = what->name_text() == "possible";
-    const bool is_of_states = property.is_possibility || what->name_text() == "always";
+    property.is_always_possible = what->name_text() == "always_possible";
+    const bool is_of_states =
+        property.is_possibility || property.is_always_possible || what->name_text() == "always";
     if (const TreeNode* const fairness = entry.find("fairness")) {
       if (is_of_states) {
-        file_.tree().fail_at_name((property.is_possibility ? "what is possible" : "an invariant") +
+        const bool is_possible = property.is_possibility || property.is_always_possible;
+        file_.tree().fail_at_name((is_possible ? "what is possible" : "an invariant") +
                                       std::string(" does not depend on fairness"),
                                   entry);
       }
@@ -249,6 +281,7 @@ class SystemBuilder {
                               "' takes an expression without X, F, G, U, R, W; use 'ltl' for those",
                           field);
       }
+      if (field.name_text() == "always_possible") continue;
       if (field.name_text() == "possible") {
         instance.formula = make_formula(Operator::negation, instance.formula);
       }

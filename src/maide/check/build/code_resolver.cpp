@@ -48,6 +48,7 @@ void CodeResolver::resolve_program(const syntax::Code& code) {
   Block& block = work_.tree.statements;
   work_.scopes.push_back({{}, &block, false});
   names_.declare_own();
+  choose_own(block);
   resolve_statements(code.block, block);
   work_.scopes.pop_back();
 }
@@ -376,6 +377,55 @@ void CodeResolver::resolve_declaration(const syntax::Statement& from, Statement&
   to.target.line = to.line;
   to.target.column = to.column;
   to.slots = static_cast<std::uint32_t>(member_count(dimensions));
+  if (!from.is_any) return;
+  Statement inner;
+  inner.kind = Statement::Kind::inner;
+  inner.line = to.line;
+  inner.column = to.column;
+  inner.origin = to.origin;
+  inner.callback = to.callback;
+  std::swap(inner.labels, to.labels);
+  inner.body = std::make_unique<Block>();
+  Statement declaration = std::move(to);
+  std::vector<Statement> choices = choices_of(declaration);
+  inner.body->statements.push_back(std::move(declaration));
+  for (Statement& choice : choices) inner.body->statements.push_back(std::move(choice));
+  to = std::move(inner);
+}
+
+std::vector<Statement> CodeResolver::choices_of(const Statement& declaration) const {
+  std::vector<Statement> choices;
+  for (std::uint32_t slot = 0; slot < declaration.slots; ++slot) {
+    Statement& choice = choices.emplace_back();
+    choice.kind = Statement::Kind::choose;
+    choice.line = declaration.line;
+    choice.column = declaration.column;
+    choice.origin = declaration.origin;
+    choice.callback = declaration.callback;
+    choice.type = declaration.type;
+    choice.target = declaration.target;
+    choice.target.index += slot;
+    choice.target.name += member_suffix(declaration.target.dimensions, slot);
+    choice.target.dimensions.clear();
+    choice.target.operands.clear();
+  }
+  return choices;
+}
+
+void CodeResolver::choose_own(Block& block) {
+  for (const std::string& name : work_.context->own) {
+    const VariableName& variable = work_.context->names.variables.at(name);
+    if (!variable.is_any) continue;
+    Statement declaration;
+    declaration.line = variable.position.line;
+    declaration.column = variable.position.column;
+    declaration.type = variable.type;
+    declaration.target = work_.own.at(name).expression;
+    declaration.slots = static_cast<std::uint32_t>(member_count(variable.leaf.dimensions));
+    for (Statement& choice : choices_of(declaration)) {
+      block.statements.push_back(std::move(choice));
+    }
+  }
 }
 
 void CodeResolver::resolve_choice_of_value(const syntax::Statement& from, Statement& to) {
@@ -566,6 +616,7 @@ void CodeResolver::resolve_thread(const Thread& thread) {
   Block& block = work_.tree.statements;
   work_.scopes.push_back({{}, &block, false});
   names_.declare_own();
+  choose_own(block);
   work_.thread = &thread;
   for (const Callback& callback : thread.starts) resolve_node_start(callback, block);
   if (thread.main) {

@@ -57,6 +57,10 @@ class CodeResolver {
   void resolve_bounds(const syntax::Range& range, Statement& to, std::string_view what);
   void resolve_for(const syntax::Statement& from, Statement& to);
   void resolve_declaration(const syntax::Statement& from, Statement& to);
+  // The steps that choose the first value of each slot of the declaration.
+  std::vector<Statement> choices_of(const Statement& declaration) const;
+  // Those of the file's and the nodes' variables that are this program's own.
+  void choose_own(Block& block);
   void resolve_choice_of_value(const syntax::Statement& from, Statement& to);
   void resolve_call(const syntax::Statement& from, Statement& to);
   [[noreturn]] void fail_argument_count(const Procedure& procedure, const syntax::Name& name) const;

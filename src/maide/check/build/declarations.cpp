@@ -141,6 +141,7 @@ std::vector<VariableName> variables_of(Declarations& file, const syntax::Code& c
     variable.type = resolver.type(statement.type);
     variable.leaf.kind = variable.type.kind;
     variable.initial = variable.type.at(0);
+    variable.is_any = statement.is_any;
     if (statement.expression) {
       const TextPlace begin = statement.expression->begin;
       const Expression value =
@@ -328,11 +329,13 @@ void declare_presence(Declarations& file) {
   const NamedServices named = find_named_services(file);
   for (const auto& [name, service] : file.service_arrays) {
     const bool is_offered = named.offered.contains(name);
-    if (!is_offered && !(named.asked.contains(name) && may_server_die(file, service))) continue;
+    const bool comes = file.names.services.at(service.first).is_server_anybody;
+    const bool goes = named.asked.contains(name) && may_server_die(file, service);
+    if (!is_offered && !comes && !goes) continue;
     const std::string presence = presence_of(name);
     VariableName variable = make_flag(presence, file.models[service.first].position);
     variable.leaf.dimensions = service.dimensions;
-    variable.initial = is_offered ? 0 : 1;
+    variable.initial = is_offered || comes ? 0 : 1;
     variable.service = service.first;
     file.names.variables.emplace(presence, std::move(variable));
   }

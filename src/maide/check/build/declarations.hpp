@@ -32,6 +32,8 @@ struct ProgramDeclaration {
   std::shared_ptr<const syntax::Code> code;  // null: it runs callbacks
   Indices indices;
   bool may_die = false;
+  bool is_anybody = false;     // it stands for whom the file does not know
+  bool may_stay_away = false;  // and need not do anything on formulas' runs
   std::shared_ptr<program_syntax::Thread> thread;
   std::vector<std::string> nodes;  // whose callbacks it runs
   std::string execution;           // "on one thread, in any order"
@@ -120,6 +122,10 @@ struct Declarations {
   std::map<std::string, SourcePosition> taken;
   std::map<std::string, ModelName> program_arrays, node_arrays, service_arrays;
   std::map<std::string, std::uint32_t> executor_names;
+
+  // The program that stands for anybody where he does nothing that has a step.
+  std::optional<std::uint32_t> silent_anybody{};
+  std::vector<std::string> open_ends{};  // what he does, one line each
 
   const SystemTree& tree() const { return *source; }
   program_syntax::Context context(Indices indices = {}) {

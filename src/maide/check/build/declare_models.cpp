@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "maide/check/build/declarations.hpp"
+#include "maide/check/build/open_ends.hpp"
 #include "maide/check/build/references.hpp"
+#include "maide/check/rules/open_topic.hpp"
 #include "maide/check/text/tokens.hpp"
 
 namespace maide {
@@ -252,6 +254,9 @@ void declare_models(Declarations& file) {
     if (const TreeNode* const ends = entry.find("ends")) {
       const Indices none;
       for (const TreeNode& end : ends->children) {
+        if (names_anybody(file, end)) {
+          file.tree().fail("`anybody` stands at ends of topics and services", end);
+        }
         name.ends.emplace(end.name_text(), References(file, none).ends(end));
       }
       origin.ends = ends->yaml;
@@ -366,8 +371,62 @@ void keep_the_last(Declarations& file, std::uint32_t model, const NodeDeclaratio
   origin.size.size = 1;
 }
 
-void declare_topic(Declarations& file, const TreeNode& entry, const std::string& name,
-                   const Indices& indices) {
+// What stands in the place of the reader's model where nobody else is at the other end, or at this
+// one, than anybody. Of a file it is not known what its inputs and outputs mean.
+void check_no_file(const Declarations& file, const TreeNode& entry) {
+  if (entry.find("file") == nullptr) return;
+  file.tree().fail("where anybody alone writes or reads there is no model: leave out 'file'",
+                   *entry.find("file"));
+}
+
+Topic::Reader declare_reader_of_anybody(Declarations& file, const TreeNode& entry,
+                                        const std::string& topic, const ReaderEnd& reader) {
+  check_no_file(file, entry);
+  ModelInstance model;
+  model.name = topic + "[" + reader.name + "]";
+  model.position = file.tree().at_name(entry);
+  model.source = ModelInstance::Source::anybody;
+  model.awaits_anybody = !says(entry, "fair");
+  model.automaton = make_open_topic(values_of_anybody(file, entry), file.asks_at_once);
+  const auto number = static_cast<std::uint32_t>(file.models.size());
+  file.models.push_back(std::move(model));
+  file.origins.emplace_back();
+  file.deliveries.emplace(number, DeliveryWish());
+  return {reader.program, number, reader.callback, {}, {}, {}, {}};
+}
+
+Topic::Reader declare_anybody_who_reads(Declarations& file, const TreeNode& entry,
+                                        const std::string& topic) {
+  check_no_file(file, entry);
+  ModelInstance model;
+  model.name = topic + "[" + anybody + "]";
+  model.position = file.tree().at_name(entry);
+  model.source = ModelInstance::Source::anybody;
+  ModelOrigin origin;
+  origin.kind = ModelOrigin::Kind::queue;
+  origin.size.keeps_nothing = true;
+  const auto number = static_cast<std::uint32_t>(file.models.size());
+  const std::uint32_t program = silent_anybody(file, model.position);
+  file.models.push_back(std::move(model));
+  file.origins.push_back(std::move(origin));
+  file.deliveries.emplace(number, DeliveryWish());
+  return {program, number, "", {}, {}, {}, {}};
+}
+
+void check_keys_of_anybody(const Declarations& file, const TreeNode& entry,
+                           const std::vector<std::string>& keys, bool is_there,
+                           const std::string& what) {
+  for (const std::string& key : keys) {
+    const TreeNode* const field = entry.find(key);
+    if (field == nullptr || is_there) continue;
+    file.tree().fail("'" + key + "' goes with `" + what + "`", *field);
+  }
+}
+
+void declare_topic(Declarations& file, const TreeNode& entry, const DeclaredArray& array,
+                   std::uint64_t member) {
+  const std::string name = array.member(member);
+  const Indices indices = array.indices_of(member);
   Topic topic;
   topic.name = name;
   topic.position = file.tree().at_name(entry);
@@ -383,17 +442,43 @@ void declare_topic(Declarations& file, const TreeNode& entry, const std::string&
   const TreeNode* const readers_field = entry.find("readers");
   std::vector<ReaderEnd> readers;
   if (readers_field != nullptr) readers = references.readers(*readers_field, name);
-  if ((readers.empty() && going_by_it.empty()) || topic.writers.empty()) {
+  const bool has_open_writer = names_anybody(file, *entry.find("writers"));
+  const bool has_open_reader = readers_field != nullptr && names_anybody(file, *readers_field);
+  const bool is_open = has_open_writer && topic.writers.empty();
+  const bool is_read = !readers.empty() || !going_by_it.empty();
+  if ((!is_read && !has_open_reader) || (topic.writers.empty() && !has_open_writer)) {
     file.tree().fail_at_name("a topic has a writer and a reader", entry);
+  }
+  if (!is_read && is_open) {
+    file.tree().fail_at_name("a topic that anybody writes is read by somebody of the file", entry);
+  }
+  check_keys_of_anybody(file, entry, {"values", "fair"}, has_open_writer, "writers: anybody");
+  if (has_open_writer) {
+    file.open_ends.push_back(name + ": anybody writes" + (is_open ? "" : ", too,") +
+                             " at any time" +
+                             (says(entry, "fair") ? ", again and again" : ", or never again"));
+  }
+  if (has_open_writer && !is_open) {
+    const std::uint32_t writer =
+        busy_anybody(file, array, member, "write", values_of_anybody(file, entry), topic.position);
+    file.programs[writer].may_stay_away = !says(entry, "fair");
+    topic.writers.insert(writer);
   }
   if (const TreeNode* const own = entry.find("readers_with")) {
     check_own_options(file, references, *own, name);
   }
   for (const ReaderEnd& reader : readers) {
-    topic.readers.push_back(declare_reader(file, references, entry, name, indices, reader));
+    topic.readers.push_back(is_open
+                                ? declare_reader_of_anybody(file, entry, name, reader)
+                                : declare_reader(file, references, entry, name, indices, reader));
   }
+  if (!is_read) topic.readers.push_back(declare_anybody_who_reads(file, entry, name));
   for (const std::uint32_t node : going_by_it) {
     const ReaderEnd reader{*file.nodes[node].clock, "", file.nodes[node].name + ".clock"};
+    if (is_open) {
+      topic.readers.push_back(declare_reader_of_anybody(file, entry, name, reader));
+      continue;
+    }
     topic.readers.push_back(declare_reader(file, references, entry, name, indices, reader));
     keep_the_last(file, topic.readers.back().model, file.nodes[node]);
   }
@@ -420,7 +505,7 @@ void declare_topics(Declarations& file) {
     const auto first = static_cast<std::uint32_t>(file.names.topics.size());
     file.names.models.emplace(array.name, ModelName{first, array.dimensions, true, {}});
     for (std::uint64_t member = 0; member < array.count(); ++member) {
-      declare_topic(file, entry, array.member(member), array.indices_of(member));
+      declare_topic(file, entry, array, member);
     }
   }
 }

@@ -259,10 +259,16 @@ ServiceShape shape_of(const Declarations& file, std::uint32_t model, const Servi
     place.is_of_ros2 =
         !file.models[model].origin.empty() || !service.server.node.empty() || !client.node.empty();
     const DeliveryRule rule = delivery_of(service, wish, place);
-    shape.is_late.push_back(rule.delivery == Delivery::late && !file.is_at_rest);
+    // When what he sends and answers arrives makes no difference.
+    const bool is_anybodys = service.is_server_anybody || service.anybody == shape.is_late.size();
+    shape.is_late.push_back(rule.delivery == Delivery::late && !file.is_at_rest && !is_anybodys);
     shape.loses = rule.wire.loses;
   }
   shape.is_in_stream = !wish.stream.empty();
+  shape.anybody = service.anybody;
+  shape.is_open = service.is_open;
+  shape.is_server_anybody = service.is_server_anybody;
+  shape.may_not_answer = service.may_not_answer;
   shape.callers = static_cast<std::uint32_t>(service.callers.size());
   return shape;
 }

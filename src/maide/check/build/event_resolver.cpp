@@ -15,6 +15,12 @@
 namespace maide::program_syntax {
 namespace {
 
+// Values that occur show later.
+bool is_made_by_us(const ModelInstance& model) {
+  return model.source == ModelInstance::Source::built_in ||
+         model.source == ModelInstance::Source::anybody;
+}
+
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
@@ -193,7 +199,7 @@ Event EventResolver::event_named(const ModelReference& model, const syntax::Even
 void EventResolver::check_event(const ModelReference& model, const Event& event,
                                 const syntax::Name& name, Direction direction) const {
   const ModelInstance& instance = this->instance(model);
-  const bool is_built_in = instance.source == ModelInstance::Source::built_in;
+  const bool is_built_in = is_made_by_us(instance);
   const bool is_input = direction == Direction::input;
   if (context().stage != Context::Stage::values && (is_built_in || instance.is_learned)) return;
   const Alphabet& alphabet = is_input ? instance.automaton.inputs() : instance.automaton.outputs();
@@ -381,8 +387,7 @@ void EventResolver::check_constant_input(const ModelReference& model, const Even
 Expression EventResolver::argument(const ModelReference& model, const syntax::Term& term) const {
   if (term.is_name() && !term.has_indices && !names_.find_value(term.name)) {
     const ModelInstance& its = instance(model);
-    if (its.source == ModelInstance::Source::built_in || its.is_learned ||
-        context().stage == Context::Stage::names) {
+    if (is_made_by_us(its) || its.is_learned || context().stage == Context::Stage::names) {
       return make_constant(context().words.intern(term.name.text), ValueKind::word);
     }
   }

@@ -217,25 +217,38 @@ class ModelFinder {
 
   void finish_topic(std::size_t number) {
     make_caller(models_.names.topics[number]);
+    check_further_writer(models_.names.topics[number]);
     for (const Topic::Reader& reader : models_.names.topics[number].readers) {
       add_ends(file_, models_, reader.model, limits_);
     }
   }
 
+  // He takes nothing that a call returns.
+  void check_further_writer(const Topic& topic) const {
+    const bool has_anybody = std::ranges::any_of(
+        topic.writers, [&](std::uint32_t writer) { return file_.programs[writer].is_anybody; });
+    if (!has_anybody || !has_returns(topic)) return;
+    throw ParseError("anybody beside other writers takes no output of his writes, and '" +
+                         topic.name + "' has one: that is not built",
+                     topic.position);
+  }
+
+  bool has_returns(const Topic& topic) const {
+    return std::ranges::any_of(topic.readers, [&](const Topic::Reader& reader) {
+      const InterfaceAutomaton& automaton = models_.instances[reader.model].automaton;
+      return std::ranges::any_of(automaton.outputs().names(), [&](const std::string& output) {
+        return is_of_writer(automaton, output);
+      });
+    });
+  }
+
   // The variable that says whose call has not returned, where that matters.
   void make_caller(Topic& topic) {
-    bool has_returns = false;
-    for (const Topic::Reader& reader : topic.readers) {
-      const InterfaceAutomaton& automaton = models_.instances[reader.model].automaton;
-      for (const std::string& output : automaton.outputs().names()) {
-        has_returns = has_returns || is_of_writer(automaton, output);
-      }
-    }
     for (const std::uint32_t writer : topic.writers) {
       const ProgramDeclaration& program = file_.programs[writer];
       if (program.may_die) topic.mortal.emplace(writer, models_.words.intern(program.name));
     }
-    if (!has_returns || topic.mortal.empty() || topic.writers.size() == 1) return;
+    if (!has_returns(topic) || topic.mortal.empty() || topic.writers.size() == 1) return;
     topic.nobody = models_.words.intern("nobody");
     ModelInstance caller;
     caller.name = topic.name + ".writer";

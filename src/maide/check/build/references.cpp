@@ -75,6 +75,7 @@ std::vector<std::uint32_t> References::programs(const TreeNode& field) const {
     return all;
   }
   const std::string& name = reference_of(field).name.name.text;
+  if (is_anybody(file_, field)) return {};
   if (const auto array = file_.node_arrays.find(name); array != file_.node_arrays.end()) {
     for (const std::uint32_t member : members(field, array->second)) {
       const auto& run_by = file_.nodes[member].programs;
@@ -91,6 +92,17 @@ std::vector<std::uint32_t> References::programs(const TreeNode& field) const {
                       place_of(field));
   }
   return members(field, array->second);
+}
+
+bool is_anybody(const Declarations& file, const TreeNode& field) {
+  return field.is(anybody) && !file.program_arrays.contains(anybody) &&
+         !file.node_arrays.contains(anybody);
+}
+
+bool names_anybody(const Declarations& file, const TreeNode& field) {
+  if (!is_list(field)) return is_anybody(file, field);
+  return std::ranges::any_of(field.children,
+                             [&](const TreeNode& one) { return is_anybody(file, one); });
 }
 
 std::vector<std::uint32_t> References::writers(const TreeNode& field) const {

@@ -16,6 +16,13 @@ struct ReaderEnd {
   std::string callback, name;  // "detector.on_image" and "detector", where that says it
 };
 
+// Who stands at ends in place of programs and nodes of the file, which are not named so.
+inline constexpr const char* anybody = "anybody";
+bool is_anybody(const Declarations& file, const TreeNode& field);
+// The field, or one of its list, is he.
+bool names_anybody(const Declarations& file, const TreeNode& field);
+
+// He is left out of all that is named here, but for names_anybody().
 class References {
  public:
   // Keeps a reference to the file. `indices`: those of the array's member that refers.

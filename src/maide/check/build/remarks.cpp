@@ -68,8 +68,10 @@ class RemarkWriter {
     std::vector<std::string> silent;
     for (const TopicInstance& topic : system_.topics) {
       const bool is_written =
-          std::any_of(topic.readers.begin(), topic.readers.end(),
-                      [&](const auto& reader) { return written.contains(reader.model); });
+          std::any_of(topic.readers.begin(), topic.readers.end(), [&](const auto& reader) {
+            return written.contains(reader.model) ||
+                   system_.models[reader.model].source == ModelInstance::Source::anybody;
+          });
       if (!is_written) silent.push_back("writes " + topic.name);
     }
     for (const ServiceInstance& service : system_.services) {
@@ -77,7 +79,8 @@ class RemarkWriter {
       const bool is_asked = std::any_of(actions.begin(), actions.end(), [](const auto& action) {
         return action.name.starts_with("send");
       });
-      if (!is_asked) silent.push_back("asks " + service.name);
+      const bool is_open = std::ranges::find(service.clients, "anybody") != service.clients.end();
+      if (!is_asked && !is_open) silent.push_back("asks " + service.name);
     }
     const bool is_known = std::none_of(
         system_.models.begin(), system_.models.end(),

@@ -132,6 +132,13 @@ class FlowWalker final : public Walker {
         for (const Value way : {1, 0}) settle(enter(branch(statement, way), next), values);
         break;
       case Kind::choose: {
+        if (!statement.expression) {
+          const std::uint64_t count = statement.type.count();
+          for (std::uint64_t number = 0; number < count && count <= max_outcomes; ++number) {
+            with_value(place, statement, statement.type.at(number), values);
+          }
+          break;
+        }
         const Value low = evaluate(*statement.expression, values);
         const Value high = evaluate(statement.upper, values);
         if (distance(low, high) >= max_outcomes) break;  // which is told later

@@ -146,6 +146,7 @@ class WireMaker {
       if (wires.size() > 1) add_stream(stream, wires);
     }
     for (const auto& [model, service] : models_.names.services) {
+      if (service.is_open || service.is_server_anybody) continue;
       connections_.push_back(connection_of_service(model, service));
     }
     return std::move(connections_);
@@ -170,7 +171,10 @@ class WireMaker {
     const bool has_farewell = std::ranges::any_of(
         topic.readers, [](const Topic::Reader& reader) { return !reader.writer_death.empty(); });
     for (const Topic::Reader& reader : topic.readers) {
+      // When what anybody writes arrives, and what is written to him, makes no difference.
+      if (models_.instances[reader.model].source == ModelInstance::Source::anybody) continue;
       for (const End& end : ends) {
+        if (end.node.empty() && file_.programs[end.program].is_anybody) continue;
         DeliveryPlace place;
         place.is_topic = true;
         place.is_in_one_process = process_of_end(file_, end) == process_of_program(reader.program);

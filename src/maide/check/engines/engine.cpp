@@ -20,6 +20,7 @@
 #include "maide/check/engines/spin_engine.hpp"
 #include "maide/check/reduce/merged_calls.hpp"
 #include "maide/check/reduce/reduction.hpp"
+#include "maide/check/search/always_possible.hpp"
 #include "maide/check/search/fair_cycle.hpp"
 #include "maide/check/search/monitors.hpp"
 #include "maide/check/search/search_job.hpp"
@@ -472,8 +473,15 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   PropertyResult result;
   result.name = property.name;
   SearchResult search;
-  const std::optional<CallRules> rules = rules_for_calls(system, property);
-  if (needs_cycle(property)) {
+  bool depends_on_bounds = false;
+  const bool is_always_possible = property.is_always_possible;
+  const std::optional<CallRules> rules =
+      is_always_possible ? std::nullopt : rules_for_calls(system, property);
+  if (is_always_possible) {
+    AlwaysPossible found = search_always_possible(system, property, limits_of(options));
+    search = std::move(found.search);
+    depends_on_bounds = found.depends_on_bounds;
+  } else if (needs_cycle(property)) {
     std::optional<SearchResult> cycle = search_with_calls(
         system, rules, options,
         [&](const System& reduced, Reduction reduction, const SearchLimits& limits) {
@@ -503,12 +511,17 @@ PropertyResult NativeEngine::check(const System& system, const Property& propert
   result.sent_bytes = search.sent_bytes;
   result.reduction = search.reduction;
   result.remarkable = std::move(search.remarkable);
-  result.stays_within_learned = !needs_cycle(property) && !search.has_cut &&
+  result.stays_within_learned = !needs_cycle(property) && !is_always_possible && !search.has_cut &&
                                 search.reduction == Reduction::none &&
                                 search.end == SearchResult::End::complete;
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   switch (search.end) {
-    case SearchResult::End::complete: result.verdict = Verdict::holds; break;
+    case SearchResult::End::complete:
+      result.verdict = depends_on_bounds ? Verdict::inconclusive : Verdict::holds;
+      if (depends_on_bounds) {
+        result.reason = "from some state it is possible only behind what was learned, or an error";
+      }
+      break;
     case SearchResult::End::found: {
       require_sound(name(), system, property, *search.trace);
       result.verdict = Verdict::violated;

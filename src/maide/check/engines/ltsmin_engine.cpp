@@ -199,6 +199,9 @@ std::string LtsminEngine::obstacle(const System& system, const Property& propert
     return "the engine ltsmin checks no automaton (--engine native does)";
   }
   if (property.kind != Kind::ltl) return "";
+  if (property.is_always_possible) {
+    return "the engine ltsmin does not check what is always possible (--engine native does)";
+  }
   const std::string why = why_no_label(system, property);
   if (why.empty()) return "";
   return fmt::format(

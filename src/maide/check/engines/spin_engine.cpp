@@ -205,6 +205,9 @@ std::string SpinEngine::obstacle(const System& system, const Property& property)
     return "the engine spin checks no automaton (--engine native does)";
   }
   if (property.kind != Property::Kind::ltl) return "";
+  if (property.is_always_possible) {
+    return "the engine spin does not check what is always possible (--engine native does)";
+  }
   if (contains(property.formula, FormulaNode::Operator::next)) {
     return "the engine spin checks no formula with X (--engine native does)";
   }

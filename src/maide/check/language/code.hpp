@@ -195,6 +195,7 @@ struct Statement {
   Spin spin = Spin::ever;
   bool is_idle = false;       // `idle` stands before it
   bool is_fair = false;       // of a choice, of `any`
+  bool is_any = false;        // of a declaration: any value at first
   bool is_one_sided = false;  // of a fair choice: the other branch need never come
   Name name;
   Term model;

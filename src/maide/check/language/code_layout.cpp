@@ -133,6 +133,10 @@ class StatementReader {
         element.block = parse_braces();
         statement.elements.push_back(std::move(element));
         if (goes_on()) continue;
+        if (peek().is("at") && at_ + 1 < tokens_.size() &&
+            tokens_[at_ + 1].kind == Token::Kind::quoted) {
+          for (int i = 0; i < 2; ++i) statement.elements.push_back({next(), nullptr});
+        }
         return statement;
       }
       if (piece.is("{")) {
@@ -144,7 +148,7 @@ class StatementReader {
     }
   }
 
-  // Behind a block: an `else`, if only after comments.
+  // Behind a block: an `else`, if only after comments; `at "FILE:LINE"`, with which it ends.
   bool goes_on() const {
     std::size_t at = at_;
     while (tokens_[at].kind == Token::Kind::comment) ++at;

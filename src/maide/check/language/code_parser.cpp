@@ -6,9 +6,10 @@
 //              | label* ( if * block [ else block ] | if fair * block [ else block ]
 //              | if (e) block [ else (block | if ...) ] | loop block | repeat e block
 //              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
-//              | var x: type [= e]; | x = e; | x = any [fair] e..e; | [when (e)] atomic block
-//              | call p(arguments); | return; | offer M; | withdraw M; | run T; | join T; |
+//              | var x: type [= e | = any]; | x = e; | x = any [fair] e..e; | [when (e)] atomic
+//              block | call p(arguments); | return; | offer M; | withdraw M; | run T; | join T; |
 //              unknown; )
+//              Behind each may stand at "FILE:LINE", where it ends with `;` before that.
 //   arm := (output | quiet) block      block := { statement* }      label := @name
 //   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
 //           | [when (e)] on M.input -> output block | [when (e)] on M!output block
@@ -22,6 +23,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -248,7 +250,37 @@ class CodeParser {
     return true;
   }
   void expect_semicolon(std::string_view where = "at the end of the statement") {
+    accept_origin();
     tokens_.expect(";", where);
+  }
+  bool is_at(std::size_t ahead) const {
+    return tokens_.peek(ahead).is("at") && tokens_.peek(ahead + 1).kind == Token::Kind::quoted;
+  }
+  // `at "FILE:LINE"`, or with a column: what the statement was made from.
+  void accept_origin() {
+    if (!is_at(0)) return;
+    tokens_.next();
+    const Token token = tokens_.next();
+    SourcePosition origin;
+    origin.file = token.text;
+    std::vector<int> numbers;
+    while (numbers.size() < 2) {
+      const std::size_t colon = origin.file.rfind(':');
+      if (colon == std::string::npos) break;
+      const std::string number = origin.file.substr(colon + 1);
+      constexpr std::size_t most_digits = 8;
+      const bool is_number = !number.empty() && number.size() <= most_digits &&
+                             number.find_first_not_of("0123456789") == std::string::npos;
+      if (!is_number) break;
+      numbers.insert(numbers.begin(), std::stoi(number));
+      origin.file.resize(colon);
+    }
+    if (numbers.empty() || origin.file.empty()) {
+      tokens_.fail("behind 'at' stands a place, as in at \"node.cpp:12\"", token);
+    }
+    origin.line = numbers.front();
+    if (numbers.size() > 1) origin.column = numbers.back();
+    origin_ = std::move(origin);
   }
 
   Statement parse_statement() {
@@ -264,6 +296,8 @@ class CodeParser {
     if (!first.is_name()) tokens_.fail("expected a statement, not " + to_string(first), first);
     statement.is_idle = accept_keyword("idle");
     parse_simple(tokens_.peek(), statement);
+    if (!origin_) accept_origin();  // behind a block
+    statement.origin = std::exchange(origin_, std::nullopt);
     using Kind = Statement::Kind;
     if (statement.is_idle && statement.kind != Kind::give && statement.kind != Kind::give_arms &&
         statement.kind != Kind::wait && statement.kind != Kind::select) {
@@ -538,7 +572,14 @@ class CodeParser {
     }
     tokens_.expect(":", "between a variable and its type");
     statement.type = parse_type();
-    if (tokens_.accept("=")) statement.expression = terms_.parse();
+    if (tokens_.accept("=")) {
+      statement.is_any = tokens_.peek().is("any") && (tokens_.peek(1).is(";") || is_at(1));
+      if (statement.is_any) {
+        tokens_.next();
+      } else {
+        statement.expression = terms_.parse();
+      }
+    }
     expect_semicolon("at the end of a variable");
   }
 
@@ -800,6 +841,7 @@ class CodeParser {
   std::vector<std::string> declared_;  // variables of the text so far
   TokenStream tokens_;
   TermParser terms_;
+  std::optional<SourcePosition> origin_;  // of the statement that is being read
   int nesting_ = 0, loops_ = 0;
 };
 

@@ -79,6 +79,7 @@ struct CombinedStep {
   std::uint32_t fair = 0;
   // Of a start or a discard: the callback, of the system's.
   std::optional<std::uint32_t> callback{};
+  bool awaits_anybody = false;  // it takes what anybody may send, or is what he does
 };
 
 // How runs and properties count what an actor does.
@@ -89,6 +90,9 @@ struct ActorFlags {
   bool is_fair = true;    // on fair runs it steps, if it can go on
   bool may_rest = false;  // may stand for ever wherever it is: no deadlock, and not stuck
   bool is_shown = true;   // its steps stand in texts and charts of a run
+  // What anybody may send counts as what comes. Else a run may go on without it, as formulas have
+  // it.
+  bool counts_on_anybody = true;
   bool operator==(const ActorFlags&) const = default;
 };
 
@@ -216,12 +220,17 @@ struct Program {
   bool is_progress(const ProgramEdge& edge) const {
     const CombinedStep::Role role = role_of(edge);
     return flags.counts_for_deadlock && !is_death(edge) && role != CombinedStep::Role::loss &&
-           role != CombinedStep::Role::causeless;
+           role != CombinedStep::Role::causeless &&
+           (flags.counts_on_anybody || !awaits_anybody(edge));
   }
   // It happens by itself: the program waits for it in a call.
   bool is_by_itself(const ProgramEdge& edge) const {
     const CombinedStep::Role role = role_of(edge);
     return role == CombinedStep::Role::arrival || role == CombinedStep::Role::loss;
+  }
+  // Nobody has to do what it waits for.
+  bool awaits_anybody(const ProgramEdge& edge) const {
+    return edge.kind == ModelUse::Kind::combined && combined[edge.index].awaits_anybody;
   }
   bool is_death(const ProgramEdge& edge) const {
     return role_of(edge) == CombinedStep::Role::death;

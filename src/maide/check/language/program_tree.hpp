@@ -146,7 +146,7 @@ struct Statement {
     skip,
     stop,
     assign,  // `expression` to `target`; a declaration, too, which sets every slot
-    choose,  // a value of `expression`..`upper` to `target`
+    choose,  // a value of `expression`..`upper` to `target`; without them any of its type
     when,    // `body` if `expression`, else `otherwise`
     repeat_while,
     repeat_for,  // `body` with `target` from `expression` to `upper`

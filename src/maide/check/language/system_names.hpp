@@ -117,6 +117,13 @@ struct Service {
   std::set<std::string> own_code;
   // The variable that says whether the server is there; none: it always is.
   std::optional<std::uint32_t> presence;
+  // Anybody is the server: he answers what he likes when he likes, each request at last, or, where
+  // that is said, some never.
+  bool is_server_anybody = false, may_not_answer = false;
+  // The client that is anybody; and whether he is the only one, so that a request may be there at
+  // any time.
+  std::optional<std::uint32_t> anybody;
+  bool is_open = false;
 
   // The number of the client; none if it is none.
   std::optional<std::uint32_t> client_of(const std::string& node, std::uint32_t program) const;
@@ -207,6 +214,7 @@ struct VariableName {
   Expression leaf;  // without indices
   ValueType type;
   Value initial = 0;
+  bool is_any = false;  // any of its type at first, and `initial` before that is chosen
   SourcePosition position;
   // Whether it says that services are there, of which this is the first. It is shared, whoever
   // uses it.

@@ -135,6 +135,18 @@ std::optional<std::string> find_unknown_code(const InterfaceAutomaton& automaton
 }
 
 InterfaceAutomaton make_queue(const QueueSize& queue) {
+  if (queue.keeps_nothing) {
+    const auto letters = static_cast<Symbol>(std::max<std::size_t>(queue.values.size(), 1));
+    const InterfaceAutomaton whole = GrowingQueue(queue).start();
+    const std::vector<std::string>& all = whole.inputs().names();
+    const std::vector<std::string> written(all.begin(), all.begin() + letters);
+    InterfaceAutomaton automaton(Alphabet(std::span<const std::string>(written)), {}, 1);
+    automaton.actors = {{"writer", written, {}}, {"reader", {}, {}}};
+    for (Symbol letter = 0; letter < letters; ++letter) {
+      automaton.add_transition(0, input(letter), 0);
+    }
+    return automaton;
+  }
   if (queue.is_unknown) return make_queue_of_unknown_size(queue);
   GrowingQueue states(queue);
   InterfaceAutomaton automaton = states.start();

@@ -40,6 +40,7 @@ struct QueueSize {
   bool is_unknown = false;  // nobody knows how many it keeps
   // It has an input that brings `null` where a read would wait.
   bool has_tryread = false;
+  bool keeps_nothing = false;  // it takes every message, and no more is seen of it
 };
 inline constexpr std::uint64_t max_queue_states = 200'000;
 // States that make_queue() makes: 2 size + 2 without values, else the words over them up to that

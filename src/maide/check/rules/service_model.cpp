@@ -233,7 +233,7 @@ void ServiceModel::die(State& state, bool is_server, std::uint32_t clients) cons
 
 void ServiceModel::answer(State& state, std::uint32_t item, std::uint32_t caller) const {
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
-    if (state.clients[number].is_dead != 0) continue;
+    if (state.clients[number].is_dead != 0 || shape_.anybody == number) continue;
     const std::uint32_t owner = client_of(item) == number ? owner_of(item) : others;
     if (!is_answered_late(number)) {
       arrive(state, number, owner);
@@ -394,6 +394,64 @@ std::optional<ServiceModel::State> ServiceModel::after(State state,
   return next;
 }
 
+std::vector<ServiceModel::State> ServiceModel::all_after(const State& state,
+                                                         const Operation& operation) const {
+  if (shape_.is_server_anybody) return all_after_anybody(state, operation);
+  std::vector<State> all;
+  if (auto next = after(state, operation)) all.push_back(std::move(*next));
+  return all;
+}
+
+// ---- anybody is the server ----------------------------------------------------------------------
+
+std::vector<ServiceModel::State> ServiceModel::all_after_anybody(const State& state,
+                                                                 const Operation& operation) const {
+  using Kind = Operation::Kind;
+  std::vector<State> all;
+  const auto add = [&](std::optional<State> next) {
+    if (!next) return;
+    std::erase_if(next->requests, [&](std::uint32_t item) {
+      return is_thrown_away(client_of(item), owner_of(item));
+    });
+    std::ranges::sort(next->requests);
+    const Contents contents = pack(*next);
+    const bool is_known =
+        std::ranges::any_of(all, [&](const State& known) { return pack(known) == contents; });
+    if (!is_known) all.push_back(std::move(*next));
+  };
+  // Without that request, which he answers or loses.
+  const auto without = [&](std::size_t request) {
+    State before = state;
+    before.requests.erase(before.requests.begin() + static_cast<std::ptrdiff_t>(request));
+    return before;
+  };
+  if (operation.kind == Kind::send) {
+    if (shape_.may_not_answer) {
+      Operation in_vain = operation;
+      in_vain.kind = Kind::send_in_vain;
+      add(after(state, in_vain));
+    }
+    if (state.requests.size() < shape_.depth) {
+      add(after(state, operation));
+    } else {
+      for (std::size_t i = 0; i < state.requests.size(); ++i) add(after(without(i), operation));
+    }
+    return all;
+  }
+  const bool takes = operation.kind == Kind::hand_over || operation.kind == Kind::take_own ||
+                     operation.kind == Kind::take_answer || operation.kind == Kind::receive_at_once;
+  add(after(state, operation));
+  if (!takes || !all.empty()) return all;
+  for (std::size_t i = 0; i < state.requests.size(); ++i) {
+    const std::uint32_t item = state.requests[i];
+    if (client_of(item) != operation.client || (i > 0 && state.requests[i - 1] == item)) continue;
+    State before = without(i);
+    answer(before, item, 0);
+    add(after(std::move(before), operation));
+  }
+  return all;
+}
+
 std::optional<ServiceModel::State> ServiceModel::behind(State state,
                                                         const Operation& operation) const {
   using Kind = Operation::Kind;
@@ -410,18 +468,26 @@ std::optional<ServiceModel::State> ServiceModel::behind(State state,
     case Kind::serve:
       if (!serves) return std::nullopt;
       if (state.requests.empty()) {
-        state.server_waits = 1;
+        state.server_waits = 1;  // of anybody one comes then
       } else {
         state.due = state.requests.front();
         state.requests.erase(state.requests.begin());
       }
       return state;
     case Kind::take_request:
+      if (shape_.is_open && std::exchange(state.server_waits, 0) != 0) {
+        state.due = item_of(*shape_.anybody, given_up);
+      }
       if (state.due == none) return std::nullopt;
       state.served[run] = std::exchange(state.due, none);
       return state;
     case Kind::serve_at_once:
-      if (!serves || state.requests.empty()) return std::nullopt;
+      if (!serves) return std::nullopt;
+      if (shape_.is_open) {
+        state.served[run] = item_of(*shape_.anybody, given_up);
+        return state;
+      }
+      if (state.requests.empty()) return std::nullopt;
       state.served[run] = state.requests.front();
       state.requests.erase(state.requests.begin());
       return state;
@@ -436,7 +502,8 @@ std::optional<ServiceModel::State> ServiceModel::behind(State state,
     case Kind::own_answer_due: return when(client.waits == 2);
     case Kind::send: {
       if (!takes_requests && !shape_.is_late[number]) return std::nullopt;
-      const std::uint32_t item = item_of(number, begin_request(state, number, run));
+      const std::uint32_t item =
+          item_of(number, shape_.anybody == number ? given_up : begin_request(state, number, run));
       if (state.is_server_dead != 0) return state;
       if (shape_.is_late[number]) {
         wire().put(client.sent, item);
@@ -520,6 +587,7 @@ std::vector<GrowingModel::Follower> ServiceModel::followers(const Contents& cont
     const auto next = after(unpack(contents), operation);
     if (next && !next->is_beyond) result.push_back({{way, symbol}, pack(*next)});
   };
+  if (shape_.is_open || shape_.is_server_anybody) return result;  // no real one does that alone
   // The symbols of start().
   if (!shape_.is_served_by_node) {
     add(Action::Kind::input, 0, {Kind::serve, 0, 0});
@@ -660,10 +728,15 @@ ModelUse ServiceModel::use(ModelActions& actions, std::uint32_t model, const Ope
       model, text_of(operation),
       ModelActions::StepsOfState([this, &actions, model, operation](StateId at) {
         if (is_elsewhere(at)) return std::vector<ModelStep>{{at, true}};
-        const auto next = after(unpack(contents(at)), operation);
-        if (!next) return std::vector<ModelStep>{};
-        if (next->is_beyond) return std::vector<ModelStep>{{at, true}};
-        return std::vector<ModelStep>{{state_of(actions.automaton(model), pack(*next)), false}};
+        std::vector<ModelStep> steps;
+        for (const State& next : all_after(unpack(contents(at)), operation)) {
+          if (next.is_beyond) {
+            steps.push_back({at, true});
+          } else {
+            steps.push_back({state_of(actions.automaton(model), pack(next)), false});
+          }
+        }
+        return steps;
       }));
 }
 

@@ -20,6 +20,9 @@
 // the server and one back. Or an answer alone is, and the call that gave it returns when all
 // clients have it.
 //
+// Where anybody is the server there is no state between a request and its answer: whoever takes an
+// answer takes it from the requests. They are kept sorted, for he answers them in any order.
+//
 // What programs do with a service are actions on its state. Its automaton has as transitions what
 // programs, not nodes, do, for a run to be played on a real service.
 // Invariant: an item is one request. Of the own answers in a client's queue at most one is that of
@@ -55,7 +58,15 @@ struct ServiceShape {
   // How many programs may answer, where a call returns when all clients have its answer; else 0.
   std::uint32_t callers = 0;
   bool is_in_stream = false;  // what is on its way comes in one order with what else is
-  std::string rmw;            // on which it is to run; may be empty
+  // The client that is anybody: what is answered to him vanishes. `is_open`: he is the only one,
+  // and a request of his is there at any time.
+  std::optional<std::uint32_t> anybody;
+  bool is_open = false;
+  // The server is anybody: an answer is there at any time to each request that he has not answered,
+  // and whoever looks finds it or not. `may_not_answer`: it shows when he gets a request whether he
+  // ever answers it.
+  bool is_server_anybody = false, may_not_answer = false;
+  std::string rmw;  // on which it is to run; may be empty
   std::string sul;  // the real system of programs' runs: "ros2 kind=service ..."; may be empty
 };
 
@@ -128,6 +139,10 @@ class ServiceModel : public GrowingModel {
   std::vector<Follower> followers(const Contents& contents) const override;
   bool is_due(const Contents& contents) const override;
   std::optional<State> after(State state, const Operation& operation) const;
+  // All that the operation may lead to; where the server is anybody that may be several.
+  std::vector<State> all_after(const State& state, const Operation& operation) const;
+  // The same, where the server is anybody.
+  std::vector<State> all_after_anybody(const State& state, const Operation& operation) const;
   // The same, before what makes no difference is tidied away.
   std::optional<State> behind(State state, const Operation& operation) const;
   std::string text_of(const Operation& operation) const;

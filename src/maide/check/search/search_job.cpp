@@ -164,7 +164,7 @@ void pass(Archive& archive, ProgramEdge& edge) {
 template <typename Archive>
 void pass(Archive& archive, CombinedStep& combined) {
   all(archive, combined.role, combined.uses, combined.events, combined.text, combined.fair,
-      combined.callback);
+      combined.callback, combined.awaits_anybody);
 }
 template <typename Archive>
 void pass(Archive& archive, FairGroup& group) {
@@ -185,7 +185,8 @@ void pass(Archive& archive, Program::State& state) {
 }
 template <typename Archive>
 void pass(Archive& archive, ActorFlags& flags) {
-  all(archive, flags.counts_for_deadlock, flags.is_fair, flags.may_rest, flags.is_shown);
+  all(archive, flags.counts_for_deadlock, flags.is_fair, flags.may_rest, flags.is_shown,
+      flags.counts_on_anybody);
 }
 template <typename Archive>
 void pass(Archive& archive, NobodysAction& action) {

@@ -50,6 +50,16 @@ void add_models_joined(const System& system, std::set<std::uint32_t>& models) {
   } while (before != models.size());
 }
 
+// On runs of formulas anybody need not do anything.
+void count_on_nobody(System& system) {
+  for (Program& program : system.programs) {
+    program.flags.counts_on_anybody = false;
+    for (CombinedStep& combined : program.combined) {
+      if (combined.awaits_anybody) combined.fair = 0;
+    }
+  }
+}
+
 Formula with_atoms(const Formula& formula, const std::function<Atom(const Atom&)>& change) {
   if (!formula) return formula;
   FormulaNode node = *formula;
@@ -167,6 +177,12 @@ std::vector<std::uint32_t> deadlocked_programs(const System& system, const Globa
   return deadlocked;
 }
 
+bool awaits_anybody(const System& system) {
+  return std::ranges::any_of(system.programs, [](const Program& program) {
+    return std::ranges::any_of(program.combined, &CombinedStep::awaits_anybody);
+  });
+}
+
 SystemPart::SystemPart(const System& whole) : whole_(&whole), programs_(whole.programs.size()) {
   std::iota(programs_.begin(), programs_.end(), 0);
   nobodys_actions_.resize(whole.nobodys_actions.size());
@@ -176,7 +192,14 @@ SystemPart::SystemPart(const System& whole) : whole_(&whole), programs_(whole.pr
 SystemPart::SystemPart(const System& whole, std::vector<std::uint32_t> programs,
                        const Property* property)
     : SystemPart(whole) {
-  if (programs.empty() || maide::is_whole(whole, programs)) return;
+  const bool is_of_runs = property != nullptr && (property->kind == Property::Kind::ltl ||
+                                                  property->kind == Property::Kind::never);
+  const bool may_hear_nothing =
+      is_of_runs && !property->is_always_possible && awaits_anybody(whole);
+  if (programs.empty() || maide::is_whole(whole, programs)) {
+    if (may_hear_nothing) count_on_nobody(own_.emplace(whole));
+    return;
+  }
   programs_ = std::move(programs);
   std::set<std::uint32_t> models;
   if (property != nullptr) models = names_of(whole, *property).models;
@@ -186,6 +209,7 @@ SystemPart::SystemPart(const System& whole, std::vector<std::uint32_t> programs,
   own.file = whole.file;
   own.settings = whole.settings;
   own.words = whole.words;
+  own.holes = whole.holes;
   program_numbers_.resize(whole.programs.size(), not_there);
   model_numbers_.resize(whole.models.size(), not_there);
   for (const std::uint32_t model : models) {
@@ -201,6 +225,7 @@ SystemPart::SystemPart(const System& whole, std::vector<std::uint32_t> programs,
       if (atom.kind == Atom::Kind::expression) own.expressions = whole.expressions;
     }
   }
+  if (may_hear_nothing) count_on_nobody(own);
   for (Expression& expression : own.expressions) {
     for_each_leaf(expression, [&](Expression& leaf) {
       if (leaf.op == Expression::Operator::local) {

@@ -33,6 +33,9 @@ std::vector<std::uint32_t> deadlocked_programs(const System& system, const Globa
 // nobody uses a model of some program.
 bool is_whole(const System& system, const std::vector<std::uint32_t>& programs);
 
+// Some step waits for what anybody may do.
+bool awaits_anybody(const System& system);
+
 // Some programs of a system with the models that they name, as a system of its own. What nobody
 // does belongs to it if it uses one of its models. Its programs, models and actions of nobody have
 // other numbers, in the same order; edges, states and actions of models have the same.
@@ -41,12 +44,13 @@ class SystemPart {
   // The whole system. Keeps a reference.
   explicit SystemPart(const System& whole);
   // Those programs, ascending; no programs: the whole system. With a property, what its atoms name
-  // besides, and the texts that reports show. Keeps a reference.
+  // besides, and the texts that reports show; of a formula, or an automaton of runs, what anybody
+  // may send does not count as what comes. Keeps a reference.
   SystemPart(const System& whole, std::vector<std::uint32_t> programs,
              const Property* property = nullptr);
 
   const System& system() const { return own_ ? *own_ : *whole_; }
-  bool is_whole() const { return !own_; }
+  bool is_whole() const { return program_numbers_.empty(); }
   // The part's programs, by their numbers in the whole system.
   const std::vector<std::uint32_t>& programs() const { return programs_; }
   // A property of the whole system, whose atoms are all in the part, as one of the part.

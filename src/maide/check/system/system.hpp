@@ -86,6 +86,7 @@ struct ModelInstance {
     executor,  // its idle threads, or which runs of a callback there are
     variable,  // a shared variable: state i is the value number i of its type
     wire,      // what is on its way between two ends
+    anybody,   // what anybody may write at any time, or takes
   };
   std::string name;
   InterfaceAutomaton automaton;
@@ -102,6 +103,9 @@ struct ModelInstance {
   std::string origin;  // the file, or what it was learned from; for messages
   // The automaton as it was read, where programs at its ends made another one of it; else null.
   std::shared_ptr<const InterfaceAutomaton> as_read;
+  // What is taken from it comes from anybody, who need not send anything: formulas' runs may end
+  // where only he can act.
+  bool awaits_anybody = false;
   bool is_learned = false;  // `origin` is a system: learned for this check, or an earlier one
   SourcePosition position;
 
@@ -188,6 +192,8 @@ struct Property {
   // run that violates this.
   Formula formula;
   bool is_possibility = false;
+  // Of Kind::ltl: `formula` is an expression to which some run comes from every state.
+  bool is_always_possible = false;
   std::shared_ptr<const LtlAutomaton> never;  // of Kind::never: accepts the runs that are bad
   Fairness fairness = Fairness::weak;
   SourcePosition position;
@@ -215,6 +221,8 @@ struct System {
   std::vector<std::string> nobodys_groups;  // what their fair groups are called; [0] is not used
   std::vector<Property> properties;         // those of the file
   std::vector<std::string> remarks;         // one line each: what looks like an oversight
+  std::vector<std::string> holes;           // what the file leaves out, as it says: nothing "holds"
+  std::vector<std::string> open_ends;       // what is said of anybody at the ends, one line each
   std::vector<Expression> expressions;      // of formulas' atoms, which have their numbers
   WordTable words;
   std::map<std::string, std::string> sources;  // texts of the files that programs stand in, by name

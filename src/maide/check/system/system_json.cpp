@@ -195,8 +195,8 @@ static void from_json(const json& from, Program::State& state) {
            from.at(7).get<bool>()};
 }
 
-MAIDE_JSON_MEMBERS(CombinedStep, role, uses, events, text, fair, callback)
-MAIDE_JSON_MEMBERS(ActorFlags, counts_for_deadlock, is_fair, may_rest, is_shown)
+MAIDE_JSON_MEMBERS(CombinedStep, role, uses, events, text, fair, callback, awaits_anybody)
+MAIDE_JSON_MEMBERS(ActorFlags, counts_for_deadlock, is_fair, may_rest, is_shown, counts_on_anybody)
 MAIDE_JSON_MEMBERS(FairGroup, on_weak_runs, text)
 MAIDE_JSON_MEMBERS(ProgramVariable, name, type, position)
 MAIDE_JSON_MEMBERS(ProgramError, text, position)
@@ -215,15 +215,16 @@ MAIDE_JSON_MEMBERS(FormulaNode, op, atom, left, right)
 MAIDE_JSON_MEMBERS(Letter, positive, negative)
 MAIDE_JSON_MEMBERS(LtlAutomaton::Transition, letter, target, marks)
 MAIDE_JSON_MEMBERS(LtlAutomaton, atoms, mark_count, states, initial, universal)
-MAIDE_JSON_MEMBERS(Property, name, kind, formula, is_possibility, never, fairness, position)
+MAIDE_JSON_MEMBERS(Property, name, kind, formula, is_possibility, is_always_possible, never,
+                   fairness, position)
 
 // ---- The system ---------------------------------------------------------------------------------
 
 MAIDE_JSON_MEMBERS(ModelAction, name, steps, is_call)
 MAIDE_JSON_MEMBERS(ServiceContents, requests, served, answers, sent, coming)
 MAIDE_JSON_MEMBERS(ModelInstance, name, automaton, actions, source, type, is_grown, state_texts,
-                   held, service_contents, when_unexplored, when_weak, origin, as_read, is_learned,
-                   position)
+                   held, service_contents, when_unexplored, when_weak, origin, as_read,
+                   awaits_anybody, is_learned, position)
 MAIDE_JSON_MEMBERS(NobodysAction, what, counts_for_deadlock, is_shown, lost, position, origin)
 MAIDE_JSON_MEMBERS(TopicInstance::Reader, program, model, callback, collected)
 MAIDE_JSON_MEMBERS(TopicInstance, name, writer_names, writers, readers, delivers_one)
@@ -234,8 +235,8 @@ MAIDE_JSON_MEMBERS(CallbackInstance, kind, node, name, executor, group, is_reent
 
 MAIDE_JSON_MEMBERS(ConstantSetting, name, value)
 MAIDE_JSON_MEMBERS(System, file, settings, models, topics, services, connections, executors,
-                   callbacks, programs, nobodys_actions, nobodys_groups, properties, remarks,
-                   expressions, words, sources)
+                   callbacks, programs, nobodys_actions, nobodys_groups, properties, remarks, holes,
+                   open_ends, expressions, words, sources)
 
 json json_of(const System& system, const RunControl& control) {
   const Hearing hearing(control);

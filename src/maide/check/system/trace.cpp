@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "maide/base/hash.hpp"
 #include "maide/base/invariant.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
 #include "maide/check/system/atom_view.hpp"
@@ -331,6 +332,64 @@ bool is_fair(const System& system, const Trace& trace, const std::vector<GlobalS
   return is_fair_loop(system, share_loop(system, trace, states), fairness);
 }
 
+namespace {
+
+// Without temporal operators.
+bool holds_at(const Formula& formula, const std::function<bool(const Atom&)>& value) {
+  using Operator = FormulaNode::Operator;
+  switch (formula->op) {
+    case Operator::truth: return true;
+    case Operator::falsity: return false;
+    case Operator::atom: return value(formula->atom);
+    case Operator::negation: return !holds_at(formula->left, value);
+    case Operator::conjunction:
+      return holds_at(formula->left, value) && holds_at(formula->right, value);
+    case Operator::disjunction:
+      return holds_at(formula->left, value) || holds_at(formula->right, value);
+    case Operator::implication:
+      return !holds_at(formula->left, value) || holds_at(formula->right, value);
+    default: return holds_at(formula->left, value) == holds_at(formula->right, value);
+  }
+}
+
+// States that is_out_of_reach() looks at; beyond them it says yes.
+constexpr std::size_t most_states_behind = 20'000;
+
+// No run from the state comes to the expression, nor to bounds or an error. `last`: the step that
+// led there, or null.
+bool is_out_of_reach(const System& system, const Formula& formula, const GlobalState& state,
+                     const Step* last) {
+  const auto holds = [&](const GlobalState& at, const Step* by) {
+    return holds_at(formula, [&](const Atom& atom) { return is_true(atom, system, at, by); });
+  };
+  if (holds(state, last) || is_error(system, state)) return false;
+  std::vector<GlobalState> met{state};
+  const auto key = [](const GlobalState& at) {
+    std::uint64_t sum = at.models.size();
+    for (const StateId model : at.models) sum = hash_mix(sum, model);
+    for (const ControlState program : at.programs) sum = hash_mix(sum, program);
+    return sum;
+  };
+  std::unordered_multimap<std::uint64_t, std::size_t> places{{key(state), 0}};
+  for (std::size_t i = 0; i < met.size() && met.size() < most_states_behind; ++i) {
+    const GlobalState at = met[i];
+    for (const Step& step : enabled_steps(system, at)) {
+      if (step.is_cut) return false;
+      GlobalState next = apply(system, at, step);
+      if (is_error(system, next) || holds(next, &step)) return false;
+      const auto [begin, end] = places.equal_range(key(next));
+      const bool is_known =
+          std::any_of(begin, end, [&](const auto& place) { return met[place.second] == next; });
+      if (is_known) continue;
+      places.emplace(key(next), met.size());
+      met.push_back(std::move(next));
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
 std::string find_flaw(const System& system, const Property& property, const Trace& trace) {
   std::vector<GlobalState> states;
   try {
@@ -350,6 +409,11 @@ std::string find_flaw(const System& system, const Property& property, const Trac
     return is_shown ? "" : "it ends in no error";
   }
   if (property.kind == Property::Kind::stuck) return find_flaw_of_stuck(system, trace, states);
+  if (property.is_always_possible) {
+    const Step* const last = trace.steps.empty() ? nullptr : &trace.steps.back();
+    const bool is_shown = is_out_of_reach(system, property.formula, states.back(), last);
+    return is_shown ? "" : "it ends where the expression is possible";
+  }
   return find_flaw_of_run(system, property, trace, states);
 }
 

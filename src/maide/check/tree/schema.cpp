@@ -11,6 +11,7 @@ using enum FieldKind;
 
 constexpr Key keys[] = {
     {"", "a system file", "", "", "a system to check", map},
+    {"holes", "", "", "", "what the file leaves out, in words: nothing \"holds\" then", texts},
     {"constants", "'constants'", "", "", "names for numbers and words", entries},
     {"constants/*", "constant", "", "", "its value: an expression over those before it", number},
 
@@ -41,8 +42,11 @@ constexpr Key keys[] = {
     {"topics", "'topics'", "", "", "connections with several readers or writers", entries,
      NameKind::declared},
     {"topics/*", "topic", "", "", "its ends, and one of `file`, `learn` and `use`", map},
-    {"topics/*/writers", "", "", "", "programs and nodes that write", names},
-    {"topics/*/readers", "", "", "", "programs, nodes and callbacks that read", names},
+    {"topics/*/writers", "", "", "", "programs and nodes that write; `anybody`", names},
+    {"topics/*/readers", "", "", "", "programs, nodes and callbacks that read; `anybody`", names},
+    {"topics/*/values", "", "", "none", "what anybody writes: `[go, halt]`, `0..3`", texts},
+    {"topics/*/fair", "", "true|false", "false",
+     "whether anybody writes again and again on runs of formulas", word},
     {"topics/*/file", "", "", "", "a model file, beside the system file", text},
     {"topics/*/learn", "", "", "", "a system to be learned, as in `maide learn`", text},
     {"topics/*/use", "", "mutex|semaphore|queue", "", "a built-in model", word},
@@ -68,8 +72,12 @@ constexpr Key keys[] = {
     {"services", "'services'", "", "", "requests and answers, as ROS 2 has them", entries,
      NameKind::declared},
     {"services/*", "service", "", "", "its ends", map},
-    {"services/*/server", "", "", "", "the program or node that answers", names},
-    {"services/*/clients", "", "", "", "programs and nodes that ask", names},
+    {"services/*/server", "", "", "", "the program or node that answers; `anybody`", names},
+    {"services/*/clients", "", "", "", "programs and nodes that ask; `anybody`", names},
+    {"services/*/fair", "", "true|false", "false",
+     "whether anybody asks again and again on runs of formulas", word},
+    {"services/*/may_not_answer", "", "true|false", "false",
+     "of the server `anybody`: whether requests may stay without an answer", word},
     {"services/*/learn", "'learn' of a service", "ros2", "", "what the rules are those of", word},
     {"services/*/delivery", "", "late|at_once|acknowledged", "by where its ends are",
      "when requests and answers arrive", word},
@@ -146,11 +154,14 @@ constexpr Key keys[] = {
 
     {"properties", "'properties'", "", "", "what must hold", entries},
     {"properties/*", "property", "", "", "a formula of linear-time temporal logic", formula},
-    {"properties/*", "property", "", "", "one of `ltl`, `always`, `possible` and `never`", map},
+    {"properties/*", "property", "", "",
+     "one of `ltl`, `always`, `possible`, `always_possible` and `never`", map},
     {"properties/*/ltl", "", "", "", "a formula of linear-time temporal logic", formula},
     {"properties/*/always", "", "", "", "an expression that holds in each state", formula},
     {"properties/*/possible", "", "", "", "an expression that holds in some state of some run",
      formula},
+    {"properties/*/always_possible", "", "", "",
+     "an expression to which some run comes from every state", formula},
     {"properties/*/never", "", "", "", "a file with an automaton of bad runs (HOA)", text},
     {"properties/*/fairness", "", "none|weak|strong", "weak", "which runs count", word},
 };
@@ -197,6 +208,7 @@ std::string_view describe(FieldKind kind) {
     case timer: return "a number, or `once` and a number";
     case name: return "a name";
     case names: return "a name, or a list";
+    case texts: return "a text, or a list";
     case program:
     case procedure:
     case callback: return "statements";

@@ -20,6 +20,7 @@ enum class FieldKind : std::uint8_t {
   map,        // a map with the keys that the table has
   word,       // one of `values`
   text,       // any text
+  texts,      // one, or a list of them
   number,     // an expression over constants, or one of `values`
   timer,      // such an expression, perhaps behind `once`
   options,    // a map of any keys and texts

@@ -205,6 +205,7 @@ class TreeReader {
       case FieldKind::options: read_options(node); break;
       case FieldKind::word: read_word(node); break;
       case FieldKind::names: read_names(node); break;
+      case FieldKind::texts: check_texts(node); break;
       case FieldKind::number: read_number(node); break;
       case FieldKind::timer:
         check_scalar(node);
@@ -224,6 +225,14 @@ class TreeReader {
     fail(what_is(node) + (node.key->kind == FieldKind::formula ? " must be a formula or a map"
                                                                : " must be a text"),
          *node.yaml);
+  }
+
+  void check_texts(const TreeNode& node) const {
+    if (!node.yaml->is_list()) return check_scalar(node);
+    for (const YamlEntry& one : node.yaml->entries) {
+      if (one.value.is_scalar() && !one.value.is_null()) continue;
+      fail(what_is(node) + " must be a text, or a list of texts", one.value);
+    }
   }
 
   void read_options(TreeNode& node) const {

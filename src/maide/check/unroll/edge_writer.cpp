@@ -9,12 +9,26 @@ namespace maide::program_syntax {
 
 void EdgeWriter::add_edge(const ModelUse& use, ControlState target, int line, int column) {
   look_sometimes();
+  if (use.kind == ModelUse::Kind::take && actions_.model(use.model).awaits_anybody) {
+    const ModelInstance& model = actions_.model(use.model);
+    return add_combined({CombinedStep::Role::step,
+                         {use},
+                         {use},
+                         model.name + "!" + model.automaton.outputs().name(use.index),
+                         0},
+                        target, line, column);
+  }
   program_.edges.push_back({use, target, line, column, origin_});
 }
 
 void EdgeWriter::add_combined(CombinedStep combined, ControlState target, int line, int column) {
   std::sort(combined.uses.begin(), combined.uses.end(),
             [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
+  combined.awaits_anybody =
+      combined.awaits_anybody ||
+      (!was_found_ && std::ranges::any_of(combined.events, [&](const ModelUse& event) {
+        return event.kind == ModelUse::Kind::take && actions_.model(event.model).awaits_anybody;
+      }));
   const auto number = static_cast<Symbol>(program_.combined.size());
   program_.combined.push_back(std::move(combined));
   add_edge({ModelUse::Kind::combined, 0, number}, target, line, column);

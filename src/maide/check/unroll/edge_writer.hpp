@@ -52,9 +52,18 @@ class EdgeWriter : public Walker {
   // "image!arrived", "image[logger]!arrived".
   std::string text_of_arrival(const ModelReference& model, const Values& values) const;
 
+  // Whether something is there is not known before somebody takes it: anybody sends it.
+  bool is_left_to_anybody(std::uint32_t model) const {
+    return actions_.model(model).source == ModelInstance::Source::anybody;
+  }
+  static bool is_left_to_anybody(const Service& service) {
+    return service.is_open || service.is_server_anybody;
+  }
+
   TopicSteps topics_;
   ServiceSteps services_;
   LockSteps locks_;
+  bool was_found_ = false;    // what is taken has been found: nobody waits for it any more
   std::uint32_t origin_ = 0;  // of the statement that is expanded
 
  private:

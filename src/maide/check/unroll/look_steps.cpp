@@ -71,7 +71,8 @@ std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::may_start(
 std::pair<std::vector<Uses>, std::vector<Uses>> LookSteps::asked(const SelectArm& arm,
                                                                  const Values& values) {
   std::vector<Uses> nothing = nothing_for(arm, values);
-  const ModelUse& none = nothing.front().front();
+  const ModelUse none = nothing.front().front();
+  if (may_be_missed(arm, values)) nothing = {{}};  // the look may be too early
   return {{{actions_.impossible(none.model, {none})}}, nothing};
 }
 
@@ -126,27 +127,56 @@ std::vector<LookSteps::Look> LookSteps::looks_behind(std::vector<Uses> passed,
 
 std::uint32_t LookSteps::fair_look(const Statement& statement, const Values& values,
                                    std::uint64_t found) {
-  std::uint64_t timers = 0;
+  std::uint64_t sure = 0, unsure = 0;
   for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
     const SelectArm& arm = statement.select_arms[i];
-    const bool is_timer = arm.starts != nullptr && arm.starts->kind == Callback::Kind::timer;
-    if (is_timer && !(arm.came && *values[arm.came->index] != 0)) timers |= std::uint64_t{1} << i;
+    if (arm.starts == nullptr || (arm.came && *values[arm.came->index] != 0)) continue;
+    const bool is_timer = arm.starts->kind == Callback::Kind::timer;
+    if (!is_timer && !may_be_missed(arm, values)) continue;
+    (awaits_anybody(arm, values) ? unsure : sure) |= std::uint64_t{1} << i;
   }
-  if (timers == 0) return 0;
-  return fair_group(nullptr, statement.line, statement.column, static_cast<Value>(found & timers),
-                    false, "a look");
+  if (sure == 0 && unsure == 0) return 0;
+  // Of what need not come all is found together, or nothing.
+  const bool is_some = (found & unsure) != 0 && (found & unsure) != unsure;
+  if (is_some) return 0;
+  return fair_group(nullptr, statement.line, statement.column,
+                    static_cast<Value>(found & (sure | unsure)), false, "a look");
+}
+
+bool LookSteps::may_be_missed(const SelectArm& arm, const Values& values) {
+  switch (arm.starts->kind) {
+    case Callback::Kind::subscription: return is_left_to_anybody(model_of(arm.model, values));
+    case Callback::Kind::service: return names_.services.at(arm.starts->model).is_open;
+    case Callback::Kind::client: return names_.services.at(arm.starts->model).is_server_anybody;
+    default: return false;
+  }
+}
+
+bool LookSteps::awaits_anybody(const SelectArm& arm, const Values& values) {
+  switch (arm.starts->kind) {
+    case Callback::Kind::subscription:
+      return actions_.model(model_of(arm.model, values)).awaits_anybody;
+    case Callback::Kind::service: return actions_.model(arm.starts->model).awaits_anybody;
+    default: return false;
+  }
 }
 
 void LookSteps::add_look(const Look& look, const std::string& if_nothing,
                          const Statement& statement, const Values& values, ControlState target) {
   const std::uint32_t fair = fair_look(statement, values, look.found);
+  bool awaits = false;
+  for (std::size_t i = 0; i < statement.select_arms.size(); ++i) {
+    const bool is_found = (look.found >> i & 1) != 0;
+    awaits = awaits || (is_found && awaits_anybody(statement.select_arms[i], values));
+  }
   for (const Uses& way : look.ways) {
-    add_combined({CombinedStep::Role::look,
-                  way,
-                  {},
-                  look.found == 0 ? if_nothing : "finds " + look.text,
-                  fair},
-                 target, statement.line, statement.column);
+    CombinedStep step{CombinedStep::Role::look,
+                      way,
+                      {},
+                      look.found == 0 ? if_nothing : "finds " + look.text,
+                      fair};
+    step.awaits_anybody = awaits;
+    add_combined(std::move(step), target, statement.line, statement.column);
   }
 }
 
@@ -155,10 +185,12 @@ std::vector<Uses> LookSteps::start_found(const Place& place, const SelectArm& ar
                                          bool discards, FrameId next) {
   const auto [may, may_not] = may_start(arm, values, passed);
   const std::vector<Uses> ways = actions_.combine(passed, may);
+  was_found_ = true;
   for (const Uses& conditions : ways) {
     expand_arm(place, arm, values, conditions, 0, next);
     if (discards) expand_discard(arm, values, conditions, next);
   }
+  was_found_ = false;
   const bool is_timer = arm.starts->kind == Callback::Kind::timer;
   if (is_timer && may_not.empty()) return {};
   std::vector<Uses> behind = actions_.combine(passed, may_not);

@@ -30,8 +30,8 @@ class LookSteps : public SelectSteps {
   // this one is asked for alone.
   std::vector<Look> looks_behind(std::vector<Uses> passed, const Statement& statement,
                                  const Values& values, std::optional<std::size_t> only = {});
-  // On fair runs each timer is due again and again, alone and together with others: the group of a
-  // look that finds these. 0: there is no timer.
+  // On fair runs each timer is due again and again, alone and together with others, and so is what
+  // anybody may have sent, which a look may miss: the group of a look that finds these. 0: none.
   std::uint32_t fair_look(const Statement& statement, const Values& values, std::uint64_t found);
   // The look's step, in each of its ways, to that control state.
   void add_look(const Look& look, const std::string& if_nothing, const Statement& statement,
@@ -40,6 +40,10 @@ class LookSteps : public SelectSteps {
   // control goes on at `next`. Returns how it is passed over itself; empty: never.
   std::vector<Uses> start_found(const Place& place, const SelectArm& arm, const Values& values,
                                 const std::vector<Uses>& passed, bool discards, FrameId next);
+
+  // Anybody may have sent something for the arm's callback; and he need not.
+  bool may_be_missed(const SelectArm& arm, const Values& values);
+  bool awaits_anybody(const SelectArm& arm, const Values& values);
 
  private:
   void expand_discard(const SelectArm& arm, const Values& values, const Uses& conditions,

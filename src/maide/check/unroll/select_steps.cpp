@@ -334,6 +334,9 @@ std::vector<Uses> SelectSteps::idle_uses(const Statement& statement,
       if (names_.services.contains(model)) {
         const ServiceSteps::Arm way = services_.arm(arm, model, at(arm.line, arm.column));
         ServiceModel& rules = *names_.services.at(model).rules;
+        // What he may have sent may not be there yet.
+        const bool is_handed_over = way.use.kind == ServiceModel::Operation::Kind::wait;
+        if (is_left_to_anybody(names_.services.at(model)) && !is_handed_over) continue;
         Uses& uses = by_service[model];
         uses.push_back(rules.use(actions_, model, way.use));
         if (way.due) uses.push_back(rules.use(actions_, model, *way.due));
@@ -346,6 +349,7 @@ std::vector<Uses> SelectSteps::idle_uses(const Statement& statement,
           continue;
         }
       }
+      if (is_left_to_anybody(model)) continue;
       std::vector<ModelUse>& uses = by_model[model];
       if (!is_input) continue;  // quiescence says it
       for (const InputWay& way : ways_of(arm, model, input_of(model, arm.event, values))) {

@@ -152,6 +152,23 @@ void Unroller::expand_choice(const Place& place, const Statement& statement, con
 }
 
 void Unroller::expand_any(const Place& place, const Statement& statement, const Values& values) {
+  if (!statement.expression) {
+    const std::uint64_t count = statement.type.count();
+    if (count > max_outcomes) {
+      throw ParseError("'any' chooses from more than " + std::to_string(max_outcomes) + " values",
+                       at(statement.line, statement.column));
+    }
+    for (std::uint64_t number = 0; number < count; ++number) {
+      const Value value = statement.type.at(number);
+      add_combined({CombinedStep::Role::choice,
+                    {},
+                    {},
+                    statement.target.name + " = " + text_of(value, statement.type.kind),
+                    0},
+                   with_value(place, statement, value, values), statement.line, statement.column);
+    }
+    return;
+  }
   const Value low = evaluate(*statement.expression, values);
   const Value high = evaluate(statement.upper, values);
   if (distance(low, high) >= max_outcomes) {
@@ -360,6 +377,8 @@ void Unroller::expand_rendezvous(const Place& place, const Statement& statement,
           add_combined({CombinedStep::Role::step, std::move(uses), {}, "quiet", 0}, target,
                        arm.line, arm.column);
         }
+      } else if (is_left_to_anybody(model)) {
+        add_combined({CombinedStep::Role::step, {}, {}, "quiet", 0}, target, arm.line, arm.column);
       } else {
         add_edge({Kind::quiet, model, 0}, target, arm.line, arm.column);
       }
@@ -442,7 +461,9 @@ void Unroller::expand_service(const Place& place, const Statement& statement, co
     const ServiceModel::Operation given =
         services_.operation_of(service, input, true, statement.callback);
     const ModelUse due = service.rules->use(actions_, model, ServiceSteps::due_behind(given));
-    add_combined({CombinedStep::Role::step, {actions_.impossible(model, {due})}, {}, "quiet", 0},
+    Uses none;
+    if (!is_left_to_anybody(service)) none.push_back(actions_.impossible(model, {due}));
+    add_combined({CombinedStep::Role::step, std::move(none), {}, "quiet", 0},
                  settle(enter(*arm.body, behind(place.frame)), values), arm.line, arm.column);
   }
 }

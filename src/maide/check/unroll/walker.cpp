@@ -375,7 +375,8 @@ void Walker::check_arrival(const Statement& statement, const Values& values) con
       break;
     case Kind::choose:
       element(statement.target, values);
-      if (evaluate(*statement.expression, values) > evaluate(statement.upper, values)) {
+      if (statement.expression &&
+          evaluate(*statement.expression, values) > evaluate(statement.upper, values)) {
         throw EvaluationError{"'any' has nothing to choose from", statement.line, statement.column};
       }
       break;

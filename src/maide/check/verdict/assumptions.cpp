@@ -83,6 +83,7 @@ std::size_t count_inputs_while_due(const InterfaceAutomaton& automaton) {
 // Whether a run that is not fair might violate the property.
 bool depends_on_fairness(const Property& property) {
   if (property.kind == Property::Kind::never) return true;
+  if (property.is_always_possible) return false;
   return property.kind == Property::Kind::ltl && !is_syntactically_safe(property.formula);
 }
 
@@ -94,6 +95,7 @@ class AssumptionList {
 
   StatedAssumptions state(const std::vector<Property>& properties,
                           const std::vector<PropertyResult>& results) {
+    state_holes();
     state_unexplored();
     state_fairness(properties);
     if (const auto hidden = find_hidden_return(system_, uses_)) doubt(*hidden);
@@ -116,6 +118,11 @@ class AssumptionList {
   void doubt(const std::string& line) {
     lines_.push_back(line);
     doubts_.push_back(line);
+  }
+
+  // What a violation may rest on, too.
+  void state_holes() {
+    for (const std::string& hole : system_.holes) doubt("the file leaves out: " + hole);
   }
 
   void state_unexplored() {
@@ -339,10 +346,16 @@ class AssumptionList {
           fmt::join(names, ", ")));
     }
     state_presence();
+    state_open_ends();
     if (system_.callbacks.empty() || (system_.topics.empty() && system_.services.empty())) return;
     lines_.emplace_back(
         "nodes begin when all ends know each other: what is lost before, at the start, is not "
         "looked at");
+  }
+
+  // What is said of whom the file does not know.
+  void state_open_ends() {
+    for (const std::string& line : system_.open_ends) lines_.push_back(line);
   }
 
   // Servers of which no text says that they come or go.

@@ -59,7 +59,9 @@ class PartChecker {
       result = property.kind == Property::Kind::error ? find_error()
                                                       : engine_.check(system_, property, options_);
       if (result.verdict == Verdict::holds) weaken(result, property);
-      if (result.trace) result.trace = with_fewest_switches(system_, property, *result.trace);
+      if (result.trace && !property.is_always_possible) {
+        result.trace = with_fewest_switches(system_, property, *result.trace);
+      }
     } catch (const Error&) {
       throw;
     } catch (const std::bad_alloc&) {
@@ -116,8 +118,9 @@ class PartChecker {
   // A "holds" that leans on something that is not known.
   void weaken(PropertyResult& result, const Property& property) {
     std::vector<std::string> reasons;
+    for (const std::string& hole : system_.holes) reasons.push_back("the file leaves out: " + hole);
     if (property.kind == Property::Kind::error) {
-      if (!has_errors_ && !has_unknown_code()) return;
+      if (!has_errors_ && !has_unknown_code() && reasons.empty()) return;
     } else if (has_errors_) {
       const PropertyResult error = find_error();
       if (error.verdict == Verdict::violated) {
@@ -247,6 +250,7 @@ class Checker {
         engine_(engine),
         options_(request.options),
         finds_races_(request.finds_races && engine.name() == "native"),
+        awaits_anybody_(awaits_anybody(system)),
         deadline_(request.options.control.deadline),
         uses_(find_uses(system)) {
     select(request.properties);
@@ -374,7 +378,7 @@ class Checker {
     const bool has_atoms =
         property.kind == Property::Kind::ltl || property.kind == Property::Kind::never;
     PropertyResult result;
-    if (has_atoms && !is_whole) {
+    if (has_atoms && (!is_whole || awaits_anybody_)) {
       result =
           PartChecker(SystemPart(system_, programs, &property), engine_, options_).check(property);
     } else {
@@ -523,7 +527,7 @@ class Checker {
   // that it cannot takes a search of about as many states as the formula's own.
   void state_vacuity(const Property& property, PropertyResult& result) {
     if (result.verdict != Verdict::holds || property.kind != Property::Kind::ltl) return;
-    if (property.is_possibility) return;
+    if (property.is_possibility || property.is_always_possible) return;
     if (engine_.name() != "native") return;
     RunControl control = options_.control;
     control.deadline = deadline_;
@@ -569,6 +573,7 @@ class Checker {
   Engine& engine_;
   EngineOptions options_;  // until the end of the share of what is checked
   bool finds_races_ = false;
+  bool awaits_anybody_ = false;  // some step does
   std::optional<Clock::time_point> deadline_;
   std::vector<InputUse> uses_;
   std::vector<Property> properties_;

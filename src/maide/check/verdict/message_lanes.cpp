@@ -55,7 +55,7 @@ MessageLanes::MessageLanes(const System& system)
       add_service(system, *service);
     } else if (source == Source::file || source == Source::built_in) {
       add_queue(system, model);
-    } else if (source != Source::wire) {
+    } else if (source != Source::wire && source != Source::anybody) {
       is_shared_[model] = true;
     }
   }
