@@ -133,7 +133,8 @@ TEST(SystemFile, ErrorsNameThePlace) {
       {models + "programs: {}", "there is no program (s.yaml:3:11)"},
       {models + "programs: {p: [1]}", "program 'p' must be a text (s.yaml:3:15)"},
       {models + "programs: {p: via.write;}\nprogams: {}\n",
-       "a system file has no key 'progams'; it may have: holes, constants, models, topics, services, "
+       "a system file has no key 'progams'; it may have: holes, constants, models, topics, "
+       "services, "
        "procedures, variables, programs, executors, nodes, properties; did you mean 'programs'? "
        "(s.yaml:4:1)"},
       {models + "programs: {p: via.write;, p: via.read;}", "'p' is there twice (s.yaml:3:27)"},

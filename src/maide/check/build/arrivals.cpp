@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "maide/base/invariant.hpp"
+#include "maide/check/unroll/death_steps.hpp"
 #include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide {
@@ -26,6 +27,7 @@ class ArrivalMaker {
     for (const auto& [model, service] : names_.services) add(model, service);
     for (const auto& [model, service] : names_.services) add_gone(model, service);
     for (const auto& [model, service] : names_.services) add_coming(model, service);
+    for (const Life& life : names_.lives) add_life(life);
   }
 
  private:
@@ -141,6 +143,27 @@ class ArrivalMaker {
     comes.what.uses = {actions_.variable(*service.presence, &is_away, 1)};
     system_.nobodys_groups.push_back("the server of " + service.name + ", whoever it is");
     add(std::move(comes), model);
+  }
+
+  // Its death, if it may die by itself, and that it begins anew.
+  void add_life(const Life& life) {
+    using Kind = LifeRules::Operation::Kind;
+    if (life.may_die) {
+      for (Uses& way : ways_to_die(life, Kind::die, false, names_, actions_)) {
+        NobodysAction death;
+        death.what.text = life.process + " dies";
+        death.what.uses = std::move(way);
+        death.counts_for_deadlock = false;
+        add(std::move(death), life.model);
+      }
+    }
+    if (!life.may_begin_anew) return;
+    NobodysAction begin;
+    begin.what.text = life.process + " begins anew";
+    begin.what.uses = when_begins_anew(life, names_, actions_);
+    begin.what.fair = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+    system_.nobodys_groups.push_back("that " + life.process + " begins anew");
+    add(std::move(begin), life.model);
   }
 
   void add(NobodysAction action, std::uint32_t to) {

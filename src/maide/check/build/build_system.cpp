@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -42,6 +43,7 @@ class SystemBuilder {
     for (const ExecutorDeclaration& executor : file_.executors) {
       system_.executors.push_back({executor.name, executor.threads, executor.goes_by_rounds});
     }
+    find_own_models();
     make_all_programs();
     find_own_variables();
     choose_first_values();
@@ -94,6 +96,37 @@ class SystemBuilder {
 
   // ---- Programs ---------------------------------------------------------------------------------
 
+  // What begins anew with a process: what nobody else uses, and is neither an end nor what leads to
+  // one.
+  void find_own_models() {
+    if (models_.names.lives.empty()) return;
+    std::map<std::uint32_t, std::set<std::size_t>> users;  // lives, by model; its number: others
+    const std::size_t others = models_.names.lives.size();
+    for (std::uint32_t number = 0; number < file_.programs.size(); ++number) {
+      const auto life = models_.names.life_of_program.find(number);
+      const std::size_t user = life == models_.names.life_of_program.end() ? others : life->second;
+      for (const std::uint32_t model : resolve(number).names) users[model].insert(user);
+      if (!file_.programs[number].thread) continue;
+      const program_syntax::Thread& thread = *file_.programs[number].thread;
+      for (const auto* const callbacks : {&thread.starts, &thread.callbacks}) {
+        for (const program_syntax::Callback& callback : *callbacks) {
+          for (const ModelUse& use : callback.start) users[use.model].insert(user);
+          for (const ModelUse& use : callback.end) users[use.model].insert(user);
+        }
+      }
+    }
+    for (const auto& [model, service] : models_.names.services) {
+      users.erase(model);
+      if (service.presence) users.erase(*service.presence);
+    }
+    for (const auto& [model, topic] : file_.topic_of) users.erase(model);
+    for (const Life& life : models_.names.lives) users.erase(life.model);
+    for (const auto& [model, lives] : users) {
+      if (lives.size() != 1 || *lives.begin() == others) continue;
+      models_.names.lives[*lives.begin()].own_models.push_back(model);
+    }
+  }
+
   void make_all_programs() {
     ModelActions actions(system_);
     make_programs(actions);
@@ -116,6 +149,10 @@ class SystemBuilder {
       program.nodes = declared.nodes;
       program.execution = declared.execution;
       program.process = declared.process;
+      if (const Life* const life = models_.names.life_of(number)) {
+        program.life = life->model;
+        program.names.insert(std::ranges::upper_bound(program.names, life->model), life->model);
+      }
       for (CombinedStep& combined : program.combined) {
         combined.awaits_anybody = combined.awaits_anybody || declared.may_stay_away;
       }

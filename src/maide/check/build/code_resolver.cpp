@@ -203,6 +203,9 @@ void CodeResolver::resolve_kind(const syntax::Statement& from, Statement& to) {
     case From::withdraw: resolve_offer(from, to); break;
     case From::run:
     case From::join: resolve_run(from, to); break;
+    case From::kill:
+    case From::restart:
+    case From::end: resolve_kill(from, to); break;
     case From::spin: resolve_spin(from, to); break;
     case From::unknown: {
       const Context& known = *work_.context;
@@ -239,6 +242,20 @@ void CodeResolver::resolve_offer(const syntax::Statement& from, Statement& to) {
   to.type.kind = ValueKind::boolean;
   to.type.high = 1;
   to.expression = make_constant(offers ? 1 : 0, ValueKind::boolean);
+}
+
+void CodeResolver::resolve_kill(const syntax::Statement& from, Statement& to) {
+  using From = syntax::Statement::Kind;
+  const Names& known = work_.context->names;
+  if (from.kind == From::end) {
+    to.kind = Statement::Kind::end_process;
+    to.life = known.life_of_program.at(work_.context->program);
+  } else {
+    to.kind = from.kind == From::kill ? Statement::Kind::kill : Statement::Kind::restart;
+    to.life = known.life_of_name.at(from.name.text);
+    to.input.name = from.name.text;
+  }
+  work_.names.insert(known.lives[to.life].model);
 }
 
 void CodeResolver::resolve_run(const syntax::Statement& from, Statement& to) {

@@ -37,6 +37,7 @@ class CodeResolver {
   void resolve_wait(const syntax::Statement& from, Statement& to);
   void resolve_wait_for_server(const syntax::Statement& from, Statement& to);
   void resolve_offer(const syntax::Statement& from, Statement& to);
+  void resolve_kill(const syntax::Statement& from, Statement& to);
   void resolve_run(const syntax::Statement& from, Statement& to);
   // `cv.wait;`, perhaps with a time-out: gives the mutex back, waits, and has it again.
   void resolve_condition_wait(const syntax::Statement& from, Statement& to);

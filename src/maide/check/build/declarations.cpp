@@ -196,8 +196,6 @@ void declare_programs(Declarations& file) {
       if (text == nullptr) {
         file.tree().fail_at_name("program '" + array.name + "' needs 'do:'", entry);
       }
-      const TreeNode* const may_die = entry.find("may_die");
-      program.may_die = may_die != nullptr && may_die->is("true");
     }
     program.code = text->code;
     program.position = {file.tree().file(), text->code->begin.line, text->code->begin.column};

@@ -31,7 +31,7 @@ struct ProgramDeclaration {
   std::string name;
   std::shared_ptr<const syntax::Code> code;  // null: it runs callbacks
   Indices indices;
-  bool may_die = false;
+  bool may_die = false;        // by whatever
   bool is_anybody = false;     // it stands for whom the file does not know
   bool may_stay_away = false;  // and need not do anything on formulas' runs
   std::shared_ptr<program_syntax::Thread> thread;
@@ -154,6 +154,8 @@ void declare_due(Declarations& file);
 void declare_presence(Declarations& file);
 // The programs that run the callbacks, the models of their threads, the shapes of the services.
 void declare_threads(Declarations& file);
+// Which processes may die and begin anew. Part of declare_threads().
+void declare_lives(Declarations& file);
 void declare_models(Declarations& file);
 void declare_topics(Declarations& file);
 void declare_procedures(Declarations& file);

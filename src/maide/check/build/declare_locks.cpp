@@ -80,6 +80,22 @@ std::uint32_t mutex_of(Declarations& file, const TreeNode& option, const Indices
   return members.front();
 }
 
+// A condition that belongs to one process begins anew with it.
+void check_mortal_waiters(const Declarations& file, const TreeNode& entry,
+                          const std::vector<std::uint32_t>& waiters,
+                          const std::vector<std::uint32_t>& users) {
+  for (const std::uint32_t waiter : waiters) {
+    const ProgramDeclaration& program = file.programs[waiter];
+    if (!program.may_die) continue;
+    const bool is_its_own = std::ranges::all_of(
+        users, [&](std::uint32_t user) { return file.programs[user].process == program.process; });
+    if (is_its_own) continue;
+    file.tree().fail_at_name(
+        "who waits at a condition that is of several processes does not die yet: that is not built",
+        entry);
+  }
+}
+
 }  // namespace
 
 void declare_locks(Declarations& file) {
@@ -118,11 +134,7 @@ void declare_locks(Declarations& file) {
                                      std::to_string(condition.waiters.size()) + " may",
                                  entry);
       }
-      for (const std::uint32_t waiter : condition.waiters) {
-        if (!file.programs[waiter].may_die) continue;
-        file.tree().fail_at_name("who waits at a condition does not die yet: that is not built",
-                                 entry);
-      }
+      check_mortal_waiters(file, entry, condition.waiters, users(&UsedNames::all));
       condition.mutex = mutex_of(file, *origin.of_condition, declared.indices_of(member));
       file.names.conditions.emplace(model, std::move(condition));
     }

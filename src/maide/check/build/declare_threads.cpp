@@ -37,25 +37,6 @@ std::string execution_of(const ExecutorDeclaration& executor) {
          (executor.goes_by_rounds ? "by rounds, in the order of rclcpp Humble" : "in any order");
 }
 
-// Of executors that are one program.
-bool may_die(const Declarations& file, const ExecutorDeclaration& executor) {
-  const TreeNode* const said =
-      executor.entry->key->path == "executors/*" ? executor.entry->find("may_die") : nullptr;
-  if (said == nullptr || !said->is("true")) return false;
-  const bool has_threads = std::ranges::any_of(executor.nodes, [&](std::uint32_t node) {
-    return std::ranges::any_of(file.nodes[node].callbacks, [](const Callback& callback) {
-      return callback.kind == Callback::Kind::thread;
-    });
-  });
-  if (executor.threads > 1 || has_threads) {
-    file.tree().fail(
-        "an executor with several threads, or with nodes that have threads of their own, does not "
-        "die yet: that is not built",
-        *said);
-  }
-  return true;
-}
-
 void add_thread(Declarations& file, const std::string& name, const ExecutorDeclaration& executor,
                 Line line, const std::vector<std::uint32_t>& nodes) {
   if (file.programs.size() == max_components) {
@@ -72,7 +53,6 @@ void add_thread(Declarations& file, const std::string& name, const ExecutorDecla
   program.name = name;
   program.process = process_of(*executor.entry, "executor " + executor.name);
   program.position = file.tree().at_name(*executor.entry);
-  program.may_die = may_die(file, executor);
   const bool runs_callbacks = std::ranges::any_of(
       line.callbacks, [](const Callback& callback) { return is_of_executor(callback.kind); });
   if (runs_callbacks) program.execution = execution_of(executor);
@@ -367,6 +347,7 @@ void declare_threads(Declarations& file) {
     add_own_threads(file, node);
     add_clock(file, node);
   }
+  declare_lives(file);
   shape_services(file);
 }
 

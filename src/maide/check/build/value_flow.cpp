@@ -176,6 +176,9 @@ class FlowWalker final : public Walker {
       case Kind::run:
       case Kind::join:
       case Kind::relock:
+      case Kind::kill:
+      case Kind::restart:
+      case Kind::end_process:
       case Kind::arrival: settle(next, values); break;
       default: expand_rendezvous(number, place, statement, values); break;
     }

@@ -178,6 +178,9 @@ struct Statement {
     withdraw,  // and no more
     run,       // a copy of thread `name` begins
     join,      // until all of its copies are ended
+    kill,      // the process that `name` is, or is in
+    restart,   // so, and it begins anew
+    end,       // the own process
     unknown,   // what comes is not known: the run is cut
     spin,      // runs callbacks of executor `name` (empty: none is named), as `spin` says
   };

@@ -8,7 +8,7 @@
 //              | while (e) block | for k in e..e block | break; | continue; | stop; | skip;
 //              | var x: type [= e | = any]; | x = e; | x = any [fair] e..e; | [when (e)] atomic
 //              block | call p(arguments); | return; | offer M; | withdraw M; | run T; | join T; |
-//              unknown; )
+//              kill E; | restart E; | end; | unknown; )
 //              Behind each may stand at "FILE:LINE", where it ends with `;` before that.
 //   arm := (output | quiet) block      block := { statement* }      label := @name
 //   choice := [when (e)] on M.input { arm* } | [when (e)] on M.input block
@@ -42,11 +42,13 @@ constexpr int max_nesting = 200;  // of blocks: the parser and all walks over th
 constexpr std::string_view openers[] = {"loop",   "repeat", "if",    "skip",   "stop",  "switch",
                                         "wait",   "select", "while", "for",    "break", "continue",
                                         "return", "call",   "var",   "atomic", "idle"};
-// Words that begin a statement if a name stands behind them, or `;` behind `unknown`.
+// Words that begin a statement if a name stands behind them, or `;` behind `unknown` and `end`.
 constexpr std::pair<std::string_view, Statement::Kind> verbs[] = {
     {"offer", Statement::Kind::offer},     {"withdraw", Statement::Kind::withdraw},
     {"run", Statement::Kind::run},         {"join", Statement::Kind::join},
-    {"unknown", Statement::Kind::unknown}, {"spin", Statement::Kind::spin}};
+    {"unknown", Statement::Kind::unknown}, {"spin", Statement::Kind::spin},
+    {"kill", Statement::Kind::kill},       {"restart", Statement::Kind::restart},
+    {"end", Statement::Kind::end}};
 // Keywords inside of one; those that begin an arm of a `select` may be names of variables, too.
 constexpr std::string_view arm_words[] = {"on", "when", "otherwise", "timeout"};
 constexpr std::string_view others[] = {"else", "quiet"};
@@ -392,7 +394,7 @@ class CodeParser {
     const auto verb =
         std::ranges::find_if(verbs, [&](const auto& known) { return first.is(known.first); });
     if (verb == std::end(verbs) || first.kind != Token::Kind::identifier) return false;
-    const bool is_alone = verb->second == Kind::unknown;
+    const bool is_alone = verb->second == Kind::unknown || verb->second == Kind::end;
     const bool may_be_alone = is_alone || verb->second == Kind::spin;
     const bool has_name = !is_alone && tokens_.peek(1).is_name();
     if (!has_name && !(may_be_alone && tokens_.peek(1).is(";"))) return false;
@@ -404,6 +406,8 @@ class CodeParser {
     }
     if (statement.kind == Kind::run || statement.kind == Kind::join) {
       statement.name = parse_plain_name("a thread");
+    } else if (statement.kind == Kind::kill || statement.kind == Kind::restart) {
+      statement.name = parse_plain_name("an executor, program or process");
     } else if (!is_alone) {
       statement.model = parse_model();
     }

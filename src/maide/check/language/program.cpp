@@ -50,7 +50,8 @@ bool Program::spins_until_answer(ControlState state) const {
 }
 
 bool Program::may_die() const {
-  return std::ranges::any_of(edges, [&](const ProgramEdge& edge) { return is_death(edge); });
+  return life.has_value() ||
+         std::ranges::any_of(edges, [&](const ProgramEdge& edge) { return is_death(edge); });
 }
 
 bool Program::may_reach(std::uint32_t label) const {

@@ -65,6 +65,7 @@ struct CombinedStep {
     look,       // of an executor that goes by rounds
     discard,    // so is this: a client that was found has answers to others alone, or one of them
     death,      // the program ends here: no progress, and no fairness asks for it
+    fate,       // it ends with its process, or begins anew with it
     // A message arrives, by itself, and with it the call ends in which the program stands: who
     // waits for it is the program, and who does it is nobody.
     arrival,
@@ -125,6 +126,7 @@ struct Program {
     std::uint32_t error = 0;      // index into errors; 0: none. Nothing follows an error
     bool may_rest = false;        // may stand here for ever: no deadlock, and not stuck
     bool waits = false;           // without an edge, for what never comes: no end
+    bool is_over = false;         // an end, behind which the end of its process comes
   };
   // A round of a `loop` or `repeat`, in one round of each loop around it.
   struct Round {
@@ -148,9 +150,11 @@ struct Program {
   };
   std::string name;
   ActorFlags flags;
-  std::vector<std::string> nodes;  // whose callbacks it runs; else empty
-  std::string execution;           // of callbacks: "on one thread, in any order"
-  std::string process;             // programs of one process have the same name here
+  std::vector<std::string> nodes;     // whose callbacks it runs; else empty
+  std::string execution;              // of callbacks: "on one thread, in any order"
+  std::string process;                // programs of one process have the same name here
+  std::optional<std::uint32_t> life;  // the model that says whether the process lives; none: see
+                                      // may_die()
   struct CallbackLines {
     std::string name;  // "detector.on_image"
     int first = 0, last = 0;
@@ -183,11 +187,11 @@ struct Program {
   std::span<const ProgramEdge> edges_of(ControlState state) const {
     return std::span(edges).subspan(states[state].first_edge, states[state].edge_count);
   }
-  // The program has ended. A program's other states have a transition, but for errors and a
-  // `select` of which no arm is possible.
+  // The program has ended, if perhaps not its process. A program's other states have a transition,
+  // but for errors and a `select` of which no arm is possible.
   bool is_end(ControlState state) const {
     const State& at = states[state];
-    return at.edge_count == 0 && at.error == 0 && !at.waits;
+    return at.is_over || (at.edge_count == 0 && at.error == 0 && !at.waits);
   }
   // It is an executor's, or a part of one: no thread of a node's own, and no program.
   bool runs_callbacks() const { return !execution.empty(); }
@@ -234,6 +238,10 @@ struct Program {
   }
   bool is_death(const ProgramEdge& edge) const {
     return role_of(edge) == CombinedStep::Role::death;
+  }
+  // What befalls it, not what it does: its death, or that of its process.
+  bool is_fate(const ProgramEdge& edge) const {
+    return is_death(edge) || role_of(edge) == CombinedStep::Role::fate;
   }
   // The program's group.
   std::uint32_t fair_group_of(const ProgramEdge& edge) const {

@@ -164,6 +164,9 @@ struct Statement {
     join,          // until all of them are ended
     relock,        // takes the mutex of the condition `model` again
     spin,          // runs callbacks, which are arms, as `spin` says
+    kill,          // the process whose place among Names::lives is `life`
+    restart,       // so, and it begins anew
+    end_process,   // so: the own one
     refused_spin,  // the node has been added to an executor
   };
   Kind kind = Kind::skip;
@@ -186,6 +189,7 @@ struct Statement {
   const Callback* callback = nullptr;  // in whose code it stands
   std::vector<std::uint32_t> services;
   std::uint32_t copies = 0;  // the model
+  std::size_t life = 0;
   syntax::Statement::Spin spin = syntax::Statement::Spin::once;
   bool goes_by_rounds = false;           // of a spin: in the order of the arms
   std::optional<std::uint32_t> counter;  // of a spin of `upper` callbacks at most: the variable

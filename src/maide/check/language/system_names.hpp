@@ -18,6 +18,7 @@
 
 namespace maide {
 
+class LifeRules;
 class ServiceModel;
 class StreamModel;
 class WireModel;
@@ -210,6 +211,23 @@ struct ConditionVariable {
   std::vector<std::uint32_t> waiters;
 };
 
+// A process of which programs may begin anew, or of which several end at once (life.hpp).
+struct Life {
+  std::string process;  // what its programs say: "driver"
+  std::uint32_t model = 0;
+  std::shared_ptr<const LifeRules> rules;
+  std::vector<std::uint32_t> programs;    // in the order in which they end and begin
+  std::vector<std::string> nodes;         // whose code they run
+  std::vector<std::uint32_t> own_models;  // that nobody else uses: they begin anew with it
+  bool may_die = false;                   // by itself, at any time
+  bool may_begin_anew = false;
+
+  // The place among `programs`, of which it is one.
+  std::uint32_t number_of(std::uint32_t program) const {
+    return static_cast<std::uint32_t>(std::ranges::find(programs, program) - programs.begin());
+  }
+};
+
 struct VariableName {
   Expression leaf;  // without indices
   ValueType type;
@@ -251,6 +269,15 @@ struct Names {
   std::map<std::string, std::uint32_t> unknown_callbacks;
   std::map<std::uint32_t, std::uint32_t> unknown_programs;
 
+  std::vector<Life> lives;
+  std::map<std::string, std::size_t> life_of_name;  // what `kill` takes, to its place there
+  std::map<std::uint32_t, std::size_t> life_of_program;
+
+  // Null: it has none, and ends alone.
+  const Life* life_of(std::uint32_t program) const {
+    const auto place = life_of_program.find(program);
+    return place == life_of_program.end() ? nullptr : &lives[place->second];
+  }
   // What the code of that program and node sends to the model lies on it; null: it arrives at once.
   const Wire* wire_of(std::uint32_t to, const std::string& node, std::uint32_t program) const;
 };

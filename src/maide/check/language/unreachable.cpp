@@ -44,6 +44,7 @@ class Finder {
     Ways result{false, false, false};
     switch (statement.kind) {
       case Kind::stop:
+      case Kind::end_process:
       case Kind::leave_callback: return result;
       case Kind::leave: return {false, true, false};
       case Kind::next_round: return {false, false, false};

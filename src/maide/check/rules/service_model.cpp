@@ -231,6 +231,22 @@ void ServiceModel::die(State& state, bool is_server, std::uint32_t clients) cons
   }
 }
 
+void ServiceModel::begin_anew(State& state, bool is_server, std::uint32_t clients) const {
+  if (is_server) {
+    lose_requests(state);
+    state.is_server_dead = 0;
+  }
+  for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
+    if ((clients >> number & 1) == 0) continue;
+    // Answers to requests of its old life are strangers'.
+    state.for_each_owner(number, [](std::uint32_t& owner) { owner = others; });
+    State::Client& client = state.clients[number];
+    client.is_dead = 0;
+    client.is_overdue = 0;
+    client.handed.assign(shape_.askers[number], 0);
+  }
+}
+
 void ServiceModel::answer(State& state, std::uint32_t item, std::uint32_t caller) const {
   for (std::uint32_t number = 0; number < state.clients.size(); ++number) {
     if (state.clients[number].is_dead != 0 || shape_.anybody == number) continue;
@@ -543,6 +559,7 @@ std::optional<ServiceModel::State> ServiceModel::behind(State state,
     case Kind::send_in_vain: begin_request(state, number, run); return state;
     case Kind::withdraw: lose_requests(state); return state;
     case Kind::die: die(state, caller != 0, run); return state;
+    case Kind::begin_anew: begin_anew(state, caller != 0, run); return state;
     case Kind::server_is_dead: return when(state.is_server_dead != 0);
     case Kind::request_arrives:
     case Kind::request_lost: {
@@ -712,6 +729,9 @@ std::string ServiceModel::text_of(const Operation& operation) const {
     case Kind::die:
       return std::string(caller != 0 ? "the server dies" : "") +
              (run != 0 ? " clients " + std::to_string(run) + " die" : "");
+    case Kind::begin_anew:
+      return std::string(caller != 0 ? "the server begins anew" : "") +
+             (run != 0 ? " clients " + std::to_string(run) + " begin anew" : "");
     case Kind::server_is_dead: return "its server is dead";
     case Kind::request_arrives: return "a request arrives" + of;
     case Kind::request_lost: return "a request is lost" + of;

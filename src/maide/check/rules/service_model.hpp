@@ -99,6 +99,7 @@ class ServiceModel : public GrowingModel {
       // The server, if `caller` is 1: requests that it has not answered are lost, and those that
       // come later. The clients whose bits `run` has: what is for them is gone.
       die,
+      begin_anew,      // so, those that have died: as in the beginning, whoever else is there
       server_is_dead,  // a condition
       // What nobody does.
       request_arrives,
@@ -151,6 +152,7 @@ class ServiceModel : public GrowingModel {
   // All that the server has not taken.
   void lose_requests(State& state) const;
   void die(State& state, bool is_server, std::uint32_t clients) const;
+  void begin_anew(State& state, bool is_server, std::uint32_t clients) const;
   void answer(State& state, std::uint32_t item, std::uint32_t caller) const;
   // What is answered to that client is on its way for a while.
   bool is_answered_late(std::uint32_t client) const {

@@ -42,12 +42,24 @@ Symbol WireModel::arrives(std::uint32_t letter) const {
 std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
                                                        const Operation& operation) const {
   using Kind = Operation::Kind;
-  const bool is_abandoned = contents.front() != 0;
+  std::uint32_t abandoned = contents.front();
   std::vector<std::uint32_t> items(contents.begin() + 1, contents.end());
-  const auto with = [&](bool abandoned) {
-    Contents next{abandoned && !items.empty() ? 1U : 0U};
+  const bool is_abandoned = abandoned > 0;
+  const auto state = [&] {
+    Contents next{abandoned};
     next.insert(next.end(), items.begin(), items.end());
     return next;
+  };
+  const auto put = [&] {
+    const std::size_t before = items.size();
+    rules_.put(items, operation.letter);
+    if (items.size() == before && is_abandoned) --abandoned;  // it pushed out the oldest
+    return state();
+  };
+  const auto take = [&] {
+    items.erase(items.begin());
+    if (is_abandoned) --abandoned;
+    return state();
   };
   const bool is_put = operation.kind == Kind::put || operation.kind == Kind::add ||
                       operation.kind == Kind::push_out;
@@ -56,32 +68,28 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
   switch (operation.kind) {
     case Kind::put:
       if (!rules_.may_put(items.size())) return std::nullopt;
-      rules_.put(items, operation.letter);
-      return with(is_abandoned);
+      return put();
     case Kind::add:
     case Kind::push_out:
       if ((items.size() < rules_.room()) != (operation.kind == Kind::add)) return std::nullopt;
       if (!rules_.may_put(items.size())) return std::nullopt;
-      rules_.put(items, operation.letter);
-      return with(is_abandoned);
+      return put();
     case Kind::arrive_of_living:
     case Kind::arrive_of_dead:
       if (is_abandoned != (operation.kind == Kind::arrive_of_dead)) return std::nullopt;
       [[fallthrough]];
     case Kind::arrive:
       if (!is_next) return std::nullopt;
-      items.erase(items.begin());
-      return with(is_abandoned);
+      return take();
     case Kind::lose_of_living:
     case Kind::lose_of_dead:
       if (is_abandoned != (operation.kind == Kind::lose_of_dead) || !is_next) return std::nullopt;
       [[fallthrough]];
     case Kind::lose:
       if (items.empty() || (!is_abandoned && !rules_.may_lose(items.size()))) return std::nullopt;
-      items.erase(items.begin());
-      return with(is_abandoned);
+      return take();
     case Kind::clear: return Contents{0};
-    case Kind::abandon: return is_abandoned ? std::nullopt : std::optional(with(true));
+    case Kind::abandon: abandoned = static_cast<std::uint32_t>(items.size()); return state();
     case Kind::is_full:
       if (rules_.may_put(items.size())) return std::nullopt;
       return contents;

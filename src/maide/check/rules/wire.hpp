@@ -85,8 +85,8 @@ class WireModel : public GrowingModel {
  private:
   std::vector<Follower> followers(const Contents&) const override { return {}; }
   bool is_due(const Contents&) const override { return false; }
-  // Behind the operation; none where it is not possible. Contents: whether the writer has died, and
-  // the letters, oldest first.
+  // Behind the operation; none where it is not possible. Contents: how many of the letters are of a
+  // writer that has died, and the letters, oldest first.
   std::optional<Contents> after(Contents contents, const Operation& operation) const;
   std::string text_of(const Operation& operation) const;
   const std::string& input_of(std::uint32_t letter) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -14,7 +15,7 @@
 namespace maide {
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
+constexpr std::uint32_t no_step = ~std::uint32_t{0};
 
 template <std::size_t words>
 struct StateHash {
@@ -27,7 +28,7 @@ struct StateHash {
 
 // What is known of the runs from a state.
 enum class Reach : std::uint8_t {
-  never,  // none comes to the expression
+  never,  // no_step comes to the expression
   open,   // one comes to the bounds
   comes,  // one comes to the expression
 };
@@ -45,7 +46,7 @@ class PossibleSearch {
     SearchResult& search = result.search;
     const State initial = steps_.initial();
     starts_well_ = condition_.is_true(steps_.packed(), initial, 0, PackedAtom::no_edge);
-    number_of(initial, none, 0);
+    number_of(initial, no_step, 0);
     for (std::uint32_t at = 0; at < states_.size(); ++at) {
       if (at % limit_interval == 0 && !may_go_on(limits_, states_.size(), bytes(), 0, search)) {
         search.states = states_.size();
@@ -130,8 +131,8 @@ class PossibleSearch {
   // The first state that is no position at which the expression holds, and from which it is out of
   // reach; of those the nearest.
   void decide(AlwaysPossible& result) {
-    std::uint32_t worst = none, doubtful = none;
-    std::uint32_t before = none;
+    std::uint32_t worst = no_step, doubtful = no_step;
+    std::uint32_t before = no_step;
     const auto look = [&](std::uint32_t at, bool is_good, std::uint32_t from) {
       if (is_good || reach_[at] == Reach::comes) return;
       std::uint32_t& nearest = reach_[at] == Reach::never ? worst : doubtful;
@@ -139,10 +140,10 @@ class PossibleSearch {
       nearest = at;
       if (reach_[at] == Reach::never) before = from;
     };
-    look(0, starts_well_, none);
+    look(0, starts_well_, no_step);
     for (const Edge& edge : edges_) look(edge.to, edge.is_good, edge.from);
-    result.depends_on_bounds = doubtful != none;
-    if (worst == none) return;
+    result.depends_on_bounds = doubtful != no_step;
+    if (worst == no_step) return;
     result.search.end = SearchResult::End::found;
     result.search.trace.emplace();
     auto& steps = result.search.trace->steps;
@@ -151,7 +152,7 @@ class PossibleSearch {
       steps.push_back(bad_step(before, worst));
       worst = before;
     }
-    for (; ways_[worst].before != none; worst = ways_[worst].before) {
+    for (; ways_[worst].before != no_step; worst = ways_[worst].before) {
       steps.push_back(steps_.undo(states_[worst], ways_[worst].code).step);
     }
     std::ranges::reverse(steps);
@@ -170,7 +171,7 @@ class PossibleSearch {
   }
 
   struct Way {
-    std::uint32_t before = none;
+    std::uint32_t before = no_step;
     std::uint64_t code = 0;
   };
 

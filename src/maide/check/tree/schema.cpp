@@ -100,6 +100,8 @@ constexpr Key keys[] = {
     {"programs/*", "program", "", "", "its statements, and what else is said of it", map},
     {"programs/*/do", "", "", "", "its statements", program},
     {"programs/*/may_die", "", "true|false", "false", "whether it may end at any time", word},
+    {"programs/*/may_restart", "", "true|false", "false",
+     "whether its process then begins anew, and how often", number},
     {"programs/*/process", "", "", "one of its own", "the process that it is in, by any name",
      text},
 
@@ -113,6 +115,8 @@ constexpr Key keys[] = {
      "of `single`: the program that spins it, behind the starts of its nodes", callback},
     {"executors/*/may_die", "", "true|false", "false", "whether its process may end at any time",
      word},
+    {"executors/*/may_restart", "", "true|false", "false",
+     "whether its process then begins anew, and how often", number},
     {"executors/*/process", "", "", "one of its own", "the process that it is in, by any name",
      text},
 

@@ -8,6 +8,9 @@
 namespace maide::program_syntax {
 
 void EdgeWriter::add_edge(const ModelUse& use, ControlState target, int line, int column) {
+  if (life_ != nullptr && use.kind != ModelUse::Kind::combined) {
+    return add_combined(combined_of(use), target, line, column);
+  }
   look_sometimes();
   if (use.kind == ModelUse::Kind::take && actions_.model(use.model).awaits_anybody) {
     const ModelInstance& model = actions_.model(use.model);
@@ -22,6 +25,10 @@ void EdgeWriter::add_edge(const ModelUse& use, ControlState target, int line, in
 }
 
 void EdgeWriter::add_combined(CombinedStep combined, ControlState target, int line, int column) {
+  const auto is_of_life = [this](const ModelUse& use) { return use.model == life_->model; };
+  if (life_ != nullptr && std::ranges::none_of(combined.uses, is_of_life)) {
+    combined.uses.push_back(use(*life_, LifeRules::Operation::Kind::is_alive));
+  }
   std::sort(combined.uses.begin(), combined.uses.end(),
             [](const ModelUse& a, const ModelUse& b) { return a.model < b.model; });
   combined.awaits_anybody =
@@ -32,6 +39,20 @@ void EdgeWriter::add_combined(CombinedStep combined, ControlState target, int li
   const auto number = static_cast<Symbol>(program_.combined.size());
   program_.combined.push_back(std::move(combined));
   add_edge({ModelUse::Kind::combined, 0, number}, target, line, column);
+}
+
+CombinedStep EdgeWriter::combined_of(const ModelUse& use) const {
+  if (use.kind == ModelUse::Kind::choice) {
+    return {CombinedStep::Role::choice, {}, {}, use.index == 0 ? "if *" : "if *, else", 0};
+  }
+  const ModelInstance& model = actions_.model(use.model);
+  const bool gives = use.kind == ModelUse::Kind::give;
+  const Alphabet& names = gives ? model.automaton.inputs() : model.automaton.outputs();
+  return {CombinedStep::Role::step,
+          {use},
+          {use},
+          model.name + (gives ? "." : " -> ") + names.name(use.index),
+          0};
 }
 
 std::uint32_t EdgeWriter::fair_group(const Callback* callback, int line, int column, Value outcome,

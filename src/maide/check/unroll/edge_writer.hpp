@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "maide/check/rules/life.hpp"
 #include "maide/check/unroll/lock_steps.hpp"
 #include "maide/check/unroll/service_steps.hpp"
 #include "maide/check/unroll/topic_steps.hpp"
@@ -29,7 +30,8 @@ class EdgeWriter : public Walker {
       : Walker(tree, program, actions, names, control),
         topics_(number_, actions, names),
         services_(number_, actions, names),
-        locks_(number_, actions, names) {}
+        locks_(number_, actions, names),
+        life_(names.life_of(number_)) {}
 
  protected:
   void add_edge(const ModelUse& use, ControlState target, int line, int column);
@@ -40,6 +42,9 @@ class EdgeWriter : public Walker {
   std::uint32_t intern_origin(const std::optional<SourcePosition>& origin);
   using Evaluator::text_of;
   static std::string text_of(const Uses& uses, const ModelActions& actions);
+  ModelUse use(const Life& life, LifeRules::Operation::Kind kind, std::uint32_t program = 0) {
+    return life.rules->use(actions_, life.model, {kind, program});
+  }
 
   // What the code of that callback gives as this input lies on it; null: it is there at once.
   const Wire* wire_for(std::uint32_t model, Symbol input, const Callback* callback) const;
@@ -63,10 +68,14 @@ class EdgeWriter : public Walker {
   TopicSteps topics_;
   ServiceSteps services_;
   LockSteps locks_;
-  bool was_found_ = false;    // what is taken has been found: nobody waits for it any more
-  std::uint32_t origin_ = 0;  // of the statement that is expanded
+  bool was_found_ = false;      // what is taken has been found: nobody waits for it any more
+  const Life* life_ = nullptr;  // of its process: what it does it does as long as that lives
+  std::uint32_t origin_ = 0;    // of the statement that is expanded
 
  private:
+  // What an edge of that use is as a combined step.
+  CombinedStep combined_of(const ModelUse& use) const;
+
   std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
   std::map<std::tuple<std::string, int, int>, std::uint32_t> origin_ids_;
 };

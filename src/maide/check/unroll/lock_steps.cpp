@@ -62,6 +62,22 @@ std::optional<LockSteps::Error> LockSteps::error_of(std::uint32_t model, Symbol 
                name + " is locked more than " + std::to_string(max_depth_of_lock) + " times"};
 }
 
+Uses LockSteps::end_run() {
+  Uses uses;
+  for (const auto& [mutex, holders] : names_.holders) {
+    const auto own = std::ranges::find(holders, number_);
+    if (own == holders.end()) continue;
+    const auto place = static_cast<std::size_t>(own - holders.begin());
+    uses.push_back(actions_.action(
+        mutex, "user " + std::to_string(place + 1) + " ends a run",
+        ModelActions::StepsOfState([place, count = holders.size()](StateId at) {
+          const bool keeps_it = holder_steps(at, HolderStep::is_not_holder, count, place).empty();
+          return std::vector<ModelStep>{{at, keeps_it}};
+        })));
+  }
+  return uses;
+}
+
 ModelUse LockSteps::event_of(std::uint32_t model, const char* input) const {
   return {ModelUse::Kind::give, model, *actions_.model(model).automaton.inputs().find(input)};
 }

@@ -30,6 +30,9 @@ class LockSteps {
   };
   std::optional<Error> error_of(std::uint32_t model, Symbol input);
 
+  // A run on one of several threads ends. Who runs next is not known, so the run is cut where a
+  // mutex is kept that knows its holder.
+  Uses end_run();
   // The mutex of the condition is taken; and the event.
   std::pair<ModelUse, ModelUse> relock(std::uint32_t condition);
   // It is given back, and the program waits; and the events.

@@ -51,6 +51,11 @@ void SpinSteps::expand_callbacks(const Place& place, const Statement& statement,
                  take(arm.output, *arm.body, leaving, arm.output.name, values), statement.line,
                  statement.column);
   }
+  if (statement.spin == Spin::once) {
+    // The turn may go to what no text has: parameters of a node, or one that is added.
+    add_combined({CombinedStep::Role::causeless, {}, {}, "a turn that runs nothing", 0},
+                 settle(leaving, values), statement.line, statement.column);
+  }
   for (const SelectArm& arm : statement.select_arms) {
     if (arm.starts != nullptr) {
       expand_guarded_arm(place, arm, values, not_yet,

@@ -568,31 +568,4 @@ void TopicSteps::add_idle(const Topic& topic, const std::vector<WriteArm>& arms,
   }
 }
 
-std::vector<Uses> TopicSteps::deaths_at(const Topic& topic) {
-  Uses own, calls;
-  for (const Topic::Reader& reader : topic.readers) {
-    if (reader.program == number_) {
-      own.push_back(actions_.action(reader.model, "leaves", [&] {
-        const std::size_t states = actions_.model(reader.model).automaton.size();
-        return std::vector<std::vector<ModelStep>>(states, {{*reader.gone, false}});
-      }));
-    } else if (topic.writers.contains(number_) && !reader.writer_death.empty()) {
-      calls.push_back(
-          actions_.action(reader.model, "its writer dies", [&] { return reader.writer_death; }));
-    }
-  }
-  const auto with = [&own](Uses uses) {
-    uses.insert(uses.end(), own.begin(), own.end());
-    return uses;
-  };
-  if (!topic.caller || !topic.writers.contains(number_)) return {with(calls)};
-  const ValueType& type = actions_.model(*topic.caller).type;
-  std::vector<bool> is_own(type.count());
-  is_own[type.place_of(topic.mortal.at(number_))] = true;
-  std::vector<bool> is_other = is_own;
-  is_other.flip();
-  calls.push_back(actions_.variable(*topic.caller, &is_own, topic.nobody));
-  return {with(calls), with({actions_.variable(*topic.caller, &is_other, std::nullopt)})};
-}
-
 }  // namespace maide::program_syntax

@@ -56,9 +56,6 @@ class TopicSteps {
                             const std::string& node);
   // The wires from this program to the topic's readers; null: of one that gets all at once.
   std::vector<const Wire*> wires_to(const Topic& topic, const std::string& node) const;
-  // The steps of this program's death with a topic at which it stands: one, or one for each thing
-  // that it may leave behind.
-  std::vector<Uses> deaths_at(const Topic& topic);
 
  private:
   void add_writings(const Topic& topic, const std::string& input, WriteKind kind,

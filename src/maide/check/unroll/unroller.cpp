@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "maide/check/rules/thread_models.hpp"
+#include "maide/check/unroll/death_steps.hpp"
 #include "maide/check/unroll/wire_uses.hpp"
 
 namespace maide::program_syntax {
@@ -30,8 +31,9 @@ void Unroller::expand(const Place place) {
     expand(place, statement);
     origin_ = 0;
     if (statement.kind == Statement::Kind::select) note_guards(statement);
-    if (may_die_) add_death(place);
+    if (may_die_ && life_ == nullptr) add_death(place);
   }
+  if (life_ != nullptr) expand_life(place, state);
   state.edge_count = static_cast<std::uint32_t>(program_.edges.size()) - state.first_edge;
   state.waits = state.edge_count == 0 && may_go_on;
   program_.states.push_back(state);
@@ -84,6 +86,9 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::withdraw: expand_withdraw(place, statement, values); break;
     case Kind::run: expand_run(place, statement, values); break;
     case Kind::relock: expand_relock(place, statement, values); break;
+    case Kind::kill:
+    case Kind::restart:
+    case Kind::end_process: expand_kill(place, statement, values); break;
     case Kind::join: {
       const Symbol join = input_of_copy(CopyInput::join);
       add_combined({CombinedStep::Role::step,
@@ -98,39 +103,49 @@ void Unroller::expand(const Place& place, const Statement& statement) {
   }
 }
 
+void Unroller::expand_life(const Place& place, Program::State& state) {
+  if (place.phase == Phase::error) return;
+  if (place.phase == Phase::dead) {
+    state.may_rest = true;
+    return add_begin_of_life();
+  }
+  state.is_over = place.frame == no_frame && place.phase != Phase::dies;
+  add_end_of_life(place);
+}
+
 void Unroller::add_death(const Place& place) {
   Values values = program_.valuations[place.valuation];
   for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
   const ControlState end = control_state({no_frame, Phase::before, 0, intern_values(values), 0, 0});
-  for (const Uses& uses : deaths()) {
+  if (deaths_.empty()) deaths_ = ways_to_die(Dying{{number_}, nodes_}, names_, actions_);
+  for (const Uses& uses : deaths_) {
     add_combined({CombinedStep::Role::death, uses, {}, program_.name + " dies", 0}, end,
                  program_.position.line, program_.position.column);
   }
 }
 
-const std::vector<Uses>& Unroller::deaths() {
-  if (!deaths_.empty()) return deaths_;
-  deaths_.emplace_back();
-  if (const auto own = names_.deaths.find(number_); own != names_.deaths.end()) {
-    for (const auto& [model, steps] : own->second) {
-      deaths_.front().push_back(actions_.action(model, program_.name + " dies",
-                                                [&own_steps = steps] { return own_steps; }));
-    }
-  }
-  for (const Topic& topic : names_.topics) {
-    const std::vector<Uses> ways = topics_.deaths_at(topic);
-    std::vector<Uses> all;
-    for (const Uses& before : deaths_) {
-      for (const Uses& way : ways) {
-        all.push_back(before);
-        all.back().insert(all.back().end(), way.begin(), way.end());
-      }
-    }
-    deaths_ = std::move(all);
-  }
-  const Uses on_wires = when_dies(number_, nodes_, names_, actions_);
-  for (Uses& way : deaths_) way.insert(way.end(), on_wires.begin(), on_wires.end());
-  return deaths_;
+void Unroller::add_end_of_life(const Place& place) {
+  const std::uint32_t own = life_->number_of(number_);
+  Values values = program_.valuations[place.valuation];
+  for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
+  const Phase phase = life_->may_begin_anew ? Phase::dead : Phase::before;
+  add_combined({CombinedStep::Role::fate,
+                {use(*life_, LifeRules::Operation::Kind::end, own)},
+                {},
+                program_.name + " ends with its process",
+                0},
+               control_state({no_frame, phase, 0, intern_values(values), 0, 0}),
+               program_.position.line, program_.position.column);
+}
+
+void Unroller::add_begin_of_life() {
+  const std::uint32_t own = life_->number_of(number_);
+  add_combined({CombinedStep::Role::fate,
+                {use(*life_, LifeRules::Operation::Kind::begin, own)},
+                {},
+                program_.name + " begins anew",
+                0},
+               0, program_.position.line, program_.position.column);
 }
 
 void Unroller::expand_choice(const Place& place, const Statement& statement, const Values& values) {
@@ -283,6 +298,28 @@ void Unroller::expand_run(const Place& place, const Statement& statement, const 
                 0},
                error_state(none_free, statement.line, statement.column), statement.line,
                statement.column);
+}
+
+// Who is alive dies; of who is dead a restart says that it begins anew.
+void Unroller::expand_kill(const Place& place, const Statement& statement, const Values& values) {
+  using Life = LifeRules::Operation::Kind;
+  const auto& life = names_.lives[statement.life];
+  const bool restarts = statement.kind == Statement::Kind::restart;
+  const bool ends = statement.kind == Statement::Kind::end_process;
+  const ControlState target = &life == life_
+                                  ? control_state({no_frame, Phase::dies, 0, place.valuation, 0, 0})
+                                  : settle(behind(place.frame), values);
+  const auto add = [&](Uses uses, const std::string& text) {
+    add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
+                 statement.column);
+  };
+  const std::string what = ends ? "end" : (restarts ? "restart " : "kill ") + statement.input.name;
+  for (Uses& way :
+       ways_to_die(life, restarts ? Life::die_for_new : Life::die, ends, names_, actions_)) {
+    add(std::move(way), what);
+  }
+  if (&life == life_) return;
+  add({use(life, restarts ? Life::tell_to_begin : Life::is_dead)}, what + ", which is dead");
 }
 
 // ---- locks --------------------------------------------------------------------------------------
@@ -486,6 +523,11 @@ void Unroller::expand_end(const Place& place, const Statement& statement, const 
     if (!client || service.own_code.contains(callback.node)) continue;
     uses.push_back(service.rules->use(
         actions_, model, {ServiceSteps::Operation::Kind::end_run, *client, callback.asker}));
+  }
+  const bool is_on_several = is_of_executor(callback.kind) && !callback.end.empty();
+  if (is_on_several) {
+    const Uses kept = locks_.end_run();
+    uses.insert(uses.end(), kept.begin(), kept.end());
   }
   const CombinedStep::Role role =
       is_of_executor(callback.kind) ? CombinedStep::Role::end : CombinedStep::Role::step;

@@ -29,9 +29,12 @@ class Unroller : public SpinSteps {
   void expand(const Place& place, const Statement& statement);
   // Keeps the guards of the `select` at the next control state.
   void note_guards(const Statement& statement);
+  // Of a program whose process has a life.
+  void expand_life(const Place& place, Program::State& state);
   void add_death(const Place& place);
-  // What the program's death does to models: one of these.
-  const std::vector<Uses>& deaths();
+  // Its process has died, and with it the program, wherever it is.
+  void add_end_of_life(const Place& place);
+  void add_begin_of_life();
 
   void expand_choice(const Place& place, const Statement& statement, const Values& values);
   void expand_any(const Place& place, const Statement& statement, const Values& values);
@@ -63,6 +66,7 @@ class Unroller : public SpinSteps {
   void expand_withdraw(const Place& place, const Statement& statement, const Values& values);
   void expand_run(const Place& place, const Statement& statement, const Values& values);
   void expand_relock(const Place& place, const Statement& statement, const Values& values);
+  void expand_kill(const Place& place, const Statement& statement, const Values& values);
   // "robot.work" of a `run` or `join`.
   std::string thread_of(const Statement& statement) const;
 

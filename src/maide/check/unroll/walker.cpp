@@ -43,6 +43,9 @@ bool steps(const Statement& statement) {
     case Kind::run:
     case Kind::join:
     case Kind::relock:
+    case Kind::kill:
+    case Kind::restart:
+    case Kind::end_process:
     case Kind::spin:
     case Kind::refused_spin:
     case Kind::atomic: return true;

@@ -68,6 +68,8 @@ class Walker : public Evaluator {
     awaits,  // its input was given
     writes,  // its value is known, and is written next
     calls,   // its input was given, and the call has not returned
+    dies,    // it has ended its own process
+    dead,    // its process has died, and may begin anew
     error,
   };
   // A resting place.

@@ -164,49 +164,6 @@ ModelUse when_counted(const Wire& wire, ModelActions& actions, std::uint32_t hel
   return count(wire, actions, held, held);
 }
 
-Uses when_dies(std::uint32_t program, const std::vector<std::string>& nodes, const Names& names,
-               ModelActions& actions) {
-  const auto is_own = [&](const End& end) {
-    return end.node.empty() ? end.program == program
-                            : std::ranges::find(nodes, end.node) != nodes.end();
-  };
-  std::set<std::uint32_t> own;  // models that it reads
-  for (const Topic& topic : names.topics) {
-    for (const Topic::Reader& reader : topic.readers) {
-      if (reader.program == program && reader.gone) own.insert(reader.model);
-    }
-  }
-  Uses uses;
-  std::map<std::uint32_t, std::pair<StreamModel*, std::vector<std::uint32_t>>> forgotten;
-  for (const auto& [to, wires] : names.wires) {
-    for (const Wire& wire : wires) {
-      if (own.contains(to)) {
-        uses.push_back(use(wire, actions, WireUse::clear));
-        if (wire.place.order == nullptr) continue;
-        auto& [order, numbers] = forgotten[wire.place.stream];
-        order = wire.place.order.get();
-        numbers.push_back(wire.place.number);
-      } else if (is_own(wire.from)) {
-        uses.push_back(use(wire, actions, WireUse::abandon));
-      }
-    }
-  }
-  for (const auto& [stream, gone] : forgotten) {
-    uses.push_back(gone.first->forget(actions, stream, gone.second));
-  }
-  for (const auto& [model, service] : names.services) {
-    ServiceModel::Operation death{ServiceModel::Operation::Kind::die};
-    death.caller = is_own(service.server) ? 1 : 0;
-    for (std::size_t client = 0; client < service.clients.size(); ++client) {
-      if (is_own(service.clients[client])) death.run |= 1U << client;
-    }
-    if (death.caller != 0 || death.run != 0) {
-      uses.push_back(service.rules->use(actions, model, death));
-    }
-  }
-  return uses;
-}
-
 ModelUse when_empty(const Wire& wire, ModelActions& actions) {
   return use(wire, actions, WireUse::is_empty);
 }

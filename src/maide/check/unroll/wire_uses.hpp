@@ -32,10 +32,6 @@ const Wire* counted_wire(const Names& names, std::uint32_t model);
 std::uint32_t most_counted(const Wire& wire, const ModelActions& actions);
 ModelUse when_counted(const Wire& wire, ModelActions& actions, std::uint32_t held);
 bool has_room_for(const Wire& wire, StateId state, std::uint32_t needed);
-// What the death of the program, which runs callbacks of these nodes, does to wires from it and to
-// it, to their order, and to services.
-Uses when_dies(std::uint32_t program, const std::vector<std::string>& nodes, const Names& names,
-               ModelActions& actions);
 // Some of what is sent there is on its way for a while.
 bool is_on_its_way(const Service& service);
 // The ways in which the service, which is that model, is used so, where what is sent is in a

@@ -41,8 +41,8 @@ std::set<int> find_endless_lines(const System& system, const Program& program) {
       }
       const ProgramEdge& edge = edges[next++];
       const CombinedStep::Role role = program.role_of(edge);
-      if (role == CombinedStep::Role::end || role == CombinedStep::Role::look || cuts_run(edge))
-        continue;
+      if (role == CombinedStep::Role::end || role == CombinedStep::Role::look) continue;
+      if (program.is_fate(edge) || cuts_run(edge)) continue;
       if (seen[edge.target] == 1) lines.insert(edge.line);
       if (seen[edge.target] != 0) continue;
       seen[edge.target] = 1;

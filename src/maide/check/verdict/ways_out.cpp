@@ -246,7 +246,7 @@ class WayFinder {
       open.pop_back();
       for (const ProgramEdge& edge : program.edges_of(at)) {
         if (helps(edge)) return true;
-        if (program.is_death(edge) || seen[edge.target]) continue;
+        if (program.is_fate(edge) || seen[edge.target]) continue;
         seen[edge.target] = true;
         open.push_back(edge.target);
       }
@@ -342,7 +342,7 @@ std::vector<std::optional<std::uint32_t>> callbacks_in(const Program& program) {
       const ControlState at = open.back();
       open.pop_back();
       for (const ProgramEdge& edge : program.edges_of(at)) {
-        if (program.role_of(edge) == Role::end || program.is_death(edge)) continue;
+        if (program.role_of(edge) == Role::end || program.is_fate(edge)) continue;
         if (result[edge.target]) continue;
         result[edge.target] = callback;
         open.push_back(edge.target);

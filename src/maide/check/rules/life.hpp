@@ -1,0 +1,56 @@
+// The life of a process of which programs begin anew, or of which several end at once. Its death is
+// one step, of nobody, of who kills it, or of the process itself. Then its programs end, one after
+// the other, and where it begins anew they begin in the same order. Between a death and the last
+// beginning none of them does anything else.
+//
+//   alive -die-> ending 1 -end 1-> ... -end n-> dead -begin anew-> beginning 1 -begin 1-> ... alive
+//
+// States: what is said above, how often it may still begin anew by itself, and whether it was told
+// to: 2 (restarts + 1) (2 programs + 2).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "maide/automata/interface_automaton.hpp"
+#include "maide/check/system/model_actions.hpp"
+
+namespace maide {
+
+class LifeRules {
+ public:
+  struct Operation {
+    enum class Kind : std::uint8_t {
+      is_alive,  // a condition
+      die,
+      die_for_new,    // dies, and will begin anew
+      is_dead,        // a condition: nobody lives whom one could kill
+      tell_to_begin,  // a dead one will begin anew
+      end,            // program number `program` of it
+      begin_anew,
+      begin,  // program number `program` of it
+    };
+    Kind kind = Kind::is_alive;
+    std::uint32_t program = 0;
+  };
+
+  // `programs`: at least one. `restarts`: how often it begins anew without being told to.
+  LifeRules(std::uint32_t programs, std::uint32_t restarts)
+      : programs_(programs), restarts_(restarts) {}
+
+  // Its state 0 is alive.
+  InterfaceAutomaton automaton() const { return {{}, {}, 2 * (restarts_ + 1) * phases()}; }
+  // Behind the operation; none where it is not possible.
+  std::optional<StateId> after(StateId state, const Operation& operation) const;
+  ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation) const;
+
+ private:
+  // Alive, the ends of programs, dead, their begins.
+  std::uint32_t phases() const { return 2 * programs_ + 2; }
+  std::string text_of(const Operation& operation) const;
+
+  std::uint32_t programs_, restarts_;
+};
+
+}  // namespace maide

@@ -1,0 +1,157 @@
+// Processes that die and begin anew: by themselves, by `kill` and `restart`, by `end`.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "maide/base/error.hpp"
+#include "maide/check/build/system_file.hpp"
+#include "systems.hpp"
+#include "verdict_cases.hpp"
+
+namespace maide {
+namespace {
+
+using test::H;
+using test::V;
+
+const std::string cmd = "services: {cmd: {server: s, clients: [p]}}\n";
+const std::string serves = "loop { idle cmd.serve -> request; cmd.answer; }";
+
+// A program that asks, one that serves, and one that does something to one of them.
+std::string with_killer(const std::string& client, const std::string& killer,
+                        const std::string& more = "", const std::string& server = serves) {
+  return cmd + "programs:\n  s: {do: \"" + server + "\"" + more + "}\n  p: \"" + client +
+         "\"\n  k: \"" + killer +
+         "\"\nproperties:\n  got: {ltl: \"F p@got\", fairness: strong}\n"
+         "  may_get: {possible: \"p@got\"}\n";
+}
+const std::string asks_once = "cmd.send; cmd.receive -> answer; @got skip;";
+// Who asks when the killer has done what it does.
+std::string asks_behind(const std::string& killer) {
+  return "variables: \"var told: bool;\"\n" +
+         with_killer("select { when (told) {} } " + asks_once, killer + " told = true;");
+}
+
+// Each life of the process writes one message.
+std::string lives(const std::string& more) {
+  return "models: {q: {use: queue, with: {size: 5}}}\nprograms:\n  s: {do: \"q.write;\"" + more +
+         "}\n  p: \"var n: 0..5; loop { idle q.read -> message; n = n + 1; }\"\n"
+         "properties:\n  two: {possible: \"p.n == 2\"}\n  three: {possible: \"p.n == 3\"}\n";
+}
+
+// A node that serves, on that executor.
+std::string served_by_node(const std::string& executor) {
+  return "services: {cmd: {server: driver, clients: [p]}}\n"
+         "executors: {e: {" +
+         executor +
+         "}}\nnodes:\n  driver:\n    executor: e\n    variables: \"var n: 0..3;\"\n"
+         "    callbacks:\n"
+         "      serve: {serves: cmd, do: \"@served n = 1; cmd.answer;\"}\n"
+         "      fresh: {timer: once 5, when: \"n == 0\", do: \"@fresh skip;\"}\n"
+         "programs: {p: \"cmd.send; cmd.receive -> answer; @got skip;\"}\nproperties:\n"
+         "  stays: \"G (driver@served -> G !driver@fresh)\"\n"
+         "  got: {ltl: \"F p@got\", fairness: strong}\n";
+}
+
+// Two programs, of which one says that it may die.
+std::string together(const std::string& process) {
+  return "programs:\n  a: {do: \"skip;\", may_die: true" + process +
+         "}\n  b: {do: \"loop { select { " + "timeout 5 { @x skip; } } }\"" + process +
+         "}\nproperties:\n  goes_on: {ltl: \"G F b@x\", fairness: strong}\n";
+}
+
+// Who asks begins anew behind its request, which is answered then.
+std::string asks_anew(const std::string& killer) {
+  return cmd +
+         "variables: \"var served: bool; var told: bool;\"\nprograms:\n"
+         "  s: \"cmd.serve -> request; served = true; select { when (told) {} } cmd.answer;\"\n"
+         "  p: \"cmd.send; cmd.receive -> answer; @got skip;\"\n  k: \"select { when (served) {} "
+         "} " +
+         killer + " told = true;\"\nproperties: {may_get: {possible: \"p@got\"}}\n";
+}
+
+// A server that goes, and one that notices.
+std::string notices(const std::string& goes, const std::string& more = "") {
+  return cmd + "programs:\n  s: {do: \"offer cmd; " + goes + "\"" + more +
+         "}\n  p: \"wait cmd -> there; @was select { when (!cmd.there) { @gone skip; } }\"\n"
+         "properties:\n  notices: {ltl: \"G (p@was -> F p@gone)\", fairness: strong}\n"
+         "  later: {possible: \"s@last && cmd.there\"}\n";
+}
+
+// A thread that waits at a condition, in a process that may die beside another.
+const std::string waits_at_condition =
+    "models: {m: {use: mutex}, cv: {use: condition, with: {mutex: m}}}\n"
+    "executors: {e: {kind: single, may_die: true}}\nnodes:\n  driver:\n    executor: e\n"
+    "    callbacks: {tick: {timer: once 5, do: \"m.lock; cv.notify_one; m.unlock;\"}}\n"
+    "    threads: {work: \"m.lock; cv.wait; m.unlock; @done skip;\"}\n"
+    "programs: {p: \"skip;\"}\nproperties: {done: {possible: \"driver.work@done\"}}\n";
+
+class LivesTest : public testing::TestWithParam<test::VerdictCase> {};
+
+TEST_P(LivesTest, HasTheVerdict) { test::expect_verdict(GetParam()); }
+
+INSTANTIATE_TEST_SUITE_P(
+    Lives, LivesTest,
+    testing::Values(
+        test::VerdictCase{"nobody_dies", "got", H, with_killer(asks_once, "skip;")},
+        test::VerdictCase{"killed", "deadlock", V, with_killer(asks_once, "kill s;")},
+        test::VerdictCase{"killed", "may_get", H, with_killer(asks_once, "kill s;")},
+        test::VerdictCase{"killed_twice", "deadlock", H,
+                          with_killer("skip; @got skip;", "kill s; kill s;")},
+        test::VerdictCase{"restarted", "got", V, with_killer(asks_once, "restart s;")},
+        test::VerdictCase{"asks_a_dead_one", "may_get", V, asks_behind("kill s;")},
+        test::VerdictCase{"asks_a_new_one", "may_get", H, asks_behind("restart s; restart s;")},
+        test::VerdictCase{"asks_one_told_to_begin", "may_get", H, asks_behind("restart s; kill s;")},
+        test::VerdictCase{"kills_itself", "may_get", V,
+                          with_killer("@a kill p; @got skip;", "skip;")},
+        test::VerdictCase{"one_life", "two", V, lives(", may_die: true")},
+        test::VerdictCase{"two_lives", "two", H, lives(", may_die: true, may_restart: true")},
+        test::VerdictCase{"two_lives", "three", V, lives(", may_die: true, may_restart: true")},
+        test::VerdictCase{"three_lives", "three", H, lives(", may_die: true, may_restart: 2")},
+        test::VerdictCase{"single", "stays", H, served_by_node("kind: single, may_die: true")},
+        test::VerdictCase{"single_anew", "stays", V,
+                          served_by_node("kind: single, may_die: true, may_restart: true")},
+        test::VerdictCase{"multi", "stays", H,
+                          served_by_node("kind: multi, threads: 2, may_die: true")},
+        test::VerdictCase{"multi", "deadlock", V,
+                          served_by_node("kind: multi, threads: 2, may_die: true")},
+        test::VerdictCase{"multi_lives", "got", H, served_by_node("kind: multi, threads: 2")},
+        test::VerdictCase{
+            "multi_anew", "stays", V,
+            served_by_node("kind: multi, threads: 2, may_die: true, may_restart: true")},
+        test::VerdictCase{"alone", "goes_on", H, together("")},
+        test::VerdictCase{"together", "goes_on", V, together(", process: x")},
+        test::VerdictCase{"together", "deadlock", H, together(", process: x")},
+        test::VerdictCase{"not_anew", "may_get", H, asks_anew("skip;")},
+        test::VerdictCase{"anew", "may_get", V, asks_anew("restart p;")},
+        test::VerdictCase{"ends", "notices", H, notices("@last end;")},
+        test::VerdictCase{"killed_by_itself", "notices", H, notices("@last kill s;")},
+        test::VerdictCase{"stays_there", "notices", V, notices("@last skip;")},
+        test::VerdictCase{"waits_at_condition", "deadlock", V, waits_at_condition},
+        test::VerdictCase{"waits_at_condition", "done", H, waits_at_condition}),
+    test::name_of);
+
+std::string error_of(const std::string& text) {
+  try {
+    parse_system(text, "s.yaml", test::test_model);
+  } catch (const ParseError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Lives, SaysWhatIsWrong) {
+  EXPECT_NE(error_of("programs: {a: \"kill b;\"}\n")
+                .find("no executor, program or process is called 'b'; there is: a"),
+            std::string::npos);
+  EXPECT_NE(error_of("programs: {a: {do: \"skip;\", may_restart: true}}\n")
+                .find("'may_restart' goes with 'may_die: true', or with a 'kill'"),
+            std::string::npos);
+  EXPECT_NE(error_of("programs: {a: {do: \"skip;\", may_die: true, may_restart: 0}}\n")
+                .find("'may_restart' is true, or a number from 1 to 100"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace maide
