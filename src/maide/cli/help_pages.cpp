@@ -176,7 +176,7 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   var a[k in 0..9]: bool;                 STATEMENT at "FILE:LINE";   its source
   x = e;  a[e] = e;                       no step, unless a variable is shared
   atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
-  call p(ARGUMENTS);  return;  stop;  skip;  unknown;  run THREAD;  join THREAD;
+  call p(ARGS);  return;  stop;  skip;  unknown;  run T;  join T;  end;  kill E;
   spin;  spin once|some|all;  spin until S -> answer;   in an executor's `main`
 Values:       M.write(e);  M.read -> message(x) sets x, message(var x) declares
               it, message(3) takes that one alone, message takes any.
