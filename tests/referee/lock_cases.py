@@ -118,7 +118,6 @@ CASES = [
     # Start, lock, end of each.
     Case("one thread holds it in two callbacks", TURNS.format(executor=SINGLE), RUNS, {},
          [(7, 6)]),
-    Case("two callbacks of a group", TURNS.format(executor=threads(2)), RUNS, {}, [(7, 6)]),
     Case("two callbacks of two groups", TURNS.format(executor=threads(2)).replace(
         "b: {timer: once 1", "b: {timer: once 1, group: other"), FAILS),
     locks("a dead program holds it", {"p": '{do: "m.lock; m.unlock;", may_die: true}',

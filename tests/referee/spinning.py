@@ -112,7 +112,12 @@ class Start(NodeProgram):
             if self.is_in_vain(world):
                 return [self.nothing_more(node, control, values, world)]
             return []
-        return [] if node.late is None else [self.step(("timeout",), node.late, values, world)]
+        found = []
+        if node.mode == "once":  # a turn for what no text has
+            found.append(self.step(("turn",), node.next, values, world, death=True))
+        if node.late is not None:
+            found.append(self.step(("timeout",), node.late, values, world))
+        return found
 
     def steps_answered(self, node: Node, values: dict, world: World) -> list[Step]:
         """It takes the answer that was handed over."""

@@ -147,9 +147,9 @@ class ArrivalMaker {
 
   // Its death, if it may die by itself, and that it begins anew.
   void add_life(const Life& life) {
-    using Kind = LifeRules::Operation::Kind;
+    using LifeUse = LifeRules::Operation::Kind;
     if (life.may_die) {
-      for (Uses& way : ways_to_die(life, Kind::die, false, names_, actions_)) {
+      for (Uses& way : ways_to_die(life, LifeUse::die, false, names_, actions_)) {
         NobodysAction death;
         death.what.text = life.process + " dies";
         death.what.uses = std::move(way);

@@ -134,8 +134,8 @@ class FlowWalker final : public Walker {
       case Kind::choose: {
         if (!statement.expression) {
           const std::uint64_t count = statement.type.count();
-          for (std::uint64_t number = 0; number < count && count <= max_outcomes; ++number) {
-            with_value(place, statement, statement.type.at(number), values);
+          for (std::uint64_t one = 0; one < count && count <= max_outcomes; ++one) {
+            with_value(place, statement, statement.type.at(one), values);
           }
           break;
         }

@@ -646,8 +646,8 @@ std::string ServiceModel::describe(StateId at) const {
     };
     const std::string& name = shape_.names[number];
     add(client.sent.size(), "request", " of " + name + " on its way");
-    add(static_cast<std::size_t>(
-            std::ranges::count_if(client.coming, [](auto at) { return owner_of(at) != others; })),
+    add(static_cast<std::size_t>(std::ranges::count_if(
+            client.coming, [](std::uint32_t coming) { return owner_of(coming) != others; })),
         "answer", " to " + name + " on its way");
     add(count(state.requests) + (is_own(state.due) ? 1 : 0), "request",
         " of " + name + " not served");
