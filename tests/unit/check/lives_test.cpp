@@ -87,6 +87,21 @@ const std::string waits_at_condition =
     "    threads: {work: \"m.lock; cv.wait; m.unlock; @done skip;\"}\n"
     "programs: {p: \"skip;\"}\nproperties: {done: {possible: \"driver.work@done\"}}\n";
 
+// A thread restarts its own process, which serves and asks its own service.
+const std::string restarts_itself =
+    "services: {own: {server: n, clients: [n], delivery: at_once}}\n"
+    "executors: {e: {kind: multi, threads: 2}}\nnodes:\n  n:\n    executor: e\n"
+    "    groups: {g: reentrant}\n    clients: {own: g}\n    callbacks:\n"
+    "      serve: {serves: own, group: g, do: \"own.answer;\"}\n"
+    "    threads: {work: \"own.send; wait own -> answer; @got restart e;\"}\n"
+    "properties: {got: {possible: \"n.work@got\"}}\n";
+// Who is killed waits for an answer that is due to it.
+const std::string dies_as_it_is_due =
+    "services: {cmd: {server: s, clients: [p], delivery: at_once}}\nprograms:\n"
+    "  s: \"cmd.serve -> request; cmd.answer;\"\n  p: \"cmd.send; cmd.receive -> answer; @got "
+    "skip;\"\n"
+    "  k: \"restart p;\"\nproperties: {got: {possible: \"p@got\"}}\n";
+
 class LivesTest : public testing::TestWithParam<test::VerdictCase> {};
 
 TEST_P(LivesTest, HasTheVerdict) { test::expect_verdict(GetParam()); }
@@ -129,6 +144,9 @@ INSTANTIATE_TEST_SUITE_P(
         test::VerdictCase{"ends", "notices", H, notices("@last end;")},
         test::VerdictCase{"killed_by_itself", "notices", H, notices("@last kill s;")},
         test::VerdictCase{"stays_there", "notices", V, notices("@last skip;")},
+        test::VerdictCase{"restarts_itself", "got", H, restarts_itself},
+        test::VerdictCase{"dies_as_it_is_due", "got", H, dies_as_it_is_due},
+        test::VerdictCase{"dies_as_it_is_due", "deadlock", V, dies_as_it_is_due},
         test::VerdictCase{"waits_at_condition", "deadlock", V, waits_at_condition},
         test::VerdictCase{"waits_at_condition", "done", H, waits_at_condition}),
     test::name_of);
@@ -142,10 +160,41 @@ std::string error_of(const std::string& text) {
   return "";
 }
 
+// What a death does is asked of all states that a service may have, also where nobody has died.
+TEST(Lives, ServicesGrowWhoeverDies) {
+  const std::string text = R"(
+services: {f5: {server: n1, clients: [n1]}, f6: {server: p2, clients: [n1, p3]}}
+executors: {e4: {kind: multi, threads: 2}}
+nodes:
+  n1:
+    executor: e4
+    groups: {g8: reentrant}
+    variables: 'var v9: bool;'
+    clients: {f6: g8}
+    callbacks:
+      b11: {serves: f5, group: g8, do: 'v9 = f5.there;'}
+      b13: {timer: once 1, do: 'kill e4;'}
+    threads: {w10: 'restart e4;'}
+programs:
+  p2:
+    do: 'restart p3; loop { select { when (f6.there) { wait f6 -> there; } otherwise { } } }'
+    may_die: true
+    may_restart: 2
+  p3: 'loop { wait f6 -> there; if * { break; } } kill p2;'
+)";
+  EXPECT_EQ(error_of(text), "");
+}
+
 TEST(Lives, SaysWhatIsWrong) {
   EXPECT_NE(error_of("programs: {a: \"kill b;\"}\n")
                 .find("no executor, program or process is called 'b'; there is: a"),
             std::string::npos);
+  EXPECT_NE(error_of("executors: {e: {kind: single}}\nprograms: {a: \"restart e;\"}\n")
+                .find("nothing runs on executor 'e'"),
+            std::string::npos);
+  EXPECT_EQ(error_of("executors: {e: {kind: single, may_die: true, may_restart: true}}\n"
+                     "programs: {a: \"skip;\"}\n"),
+            "");
   EXPECT_NE(error_of("programs: {a: {do: \"skip;\", may_restart: true}}\n")
                 .find("'may_restart' goes with 'may_die: true', or with a 'kill'"),
             std::string::npos);

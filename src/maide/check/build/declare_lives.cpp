@@ -38,6 +38,7 @@ class LifeMaker {
     find_statements();
     for (auto& [process, wish] : wishes_) {
       const bool dies = wish.may_die || wish.is_ended;
+      if (wish.programs.empty()) continue;  // an executor without nodes
       if (wish.may_restart != nullptr && !dies) {
         file_.tree().fail("'may_restart' goes with 'may_die: true', or with a 'kill'",
                           *wish.may_restart);
@@ -126,13 +127,17 @@ class LifeMaker {
   }
 
   const std::string& process_named(const syntax::Code& code, const syntax::Name& name) const {
+    const SourcePosition position{code.file, name.place.line, name.place.column};
     const auto place = names_.find(name.text);
-    if (place != names_.end()) return place->second;
+    if (place != names_.end()) {
+      if (!wishes_.at(place->second).programs.empty()) return place->second;
+      throw ParseError("nothing runs on executor '" + name.text + "'", position);
+    }
     std::vector<std::string> known;
     for (const auto& [other, process] : names_) known.push_back(other);
     throw ParseError("no executor, program or process is called '" + name.text +
                          "'; there is: " + known_instead(name.text, known),
-                     {code.file, name.place.line, name.place.column});
+                     position);
   }
 
   static bool says_end(const syntax::Code& code) {

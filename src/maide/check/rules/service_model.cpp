@@ -231,6 +231,13 @@ void ServiceModel::die(State& state, bool is_server, std::uint32_t clients) cons
   }
 }
 
+bool ServiceModel::are_dead(const State& state, bool is_server, std::uint32_t clients) {
+  for (std::size_t number = 0; number < state.clients.size(); ++number) {
+    if ((clients >> number & 1) != 0 && state.clients[number].is_dead == 0) return false;
+  }
+  return !is_server || state.is_server_dead != 0;
+}
+
 void ServiceModel::begin_anew(State& state, bool is_server, std::uint32_t clients) const {
   if (is_server) {
     lose_requests(state);
@@ -242,6 +249,7 @@ void ServiceModel::begin_anew(State& state, bool is_server, std::uint32_t client
     state.for_each_owner(number, [](std::uint32_t& owner) { owner = others; });
     State::Client& client = state.clients[number];
     client.is_dead = 0;
+    client.waits = 0;
     client.is_overdue = 0;
     client.handed.assign(shape_.askers[number], 0);
   }
@@ -559,7 +567,10 @@ std::optional<ServiceModel::State> ServiceModel::behind(State state,
     case Kind::send_in_vain: begin_request(state, number, run); return state;
     case Kind::withdraw: lose_requests(state); return state;
     case Kind::die: die(state, caller != 0, run); return state;
-    case Kind::begin_anew: begin_anew(state, caller != 0, run); return state;
+    case Kind::begin_anew:
+      if (!are_dead(state, caller != 0, run)) return std::nullopt;
+      begin_anew(state, caller != 0, run);
+      return state;
     case Kind::server_is_dead: return when(state.is_server_dead != 0);
     case Kind::request_arrives:
     case Kind::request_lost: {

@@ -152,6 +152,8 @@ class ServiceModel : public GrowingModel {
   // All that the server has not taken.
   void lose_requests(State& state) const;
   void die(State& state, bool is_server, std::uint32_t clients) const;
+  // So are the server, if it is asked for, and the clients whose bits are set.
+  static bool are_dead(const State& state, bool is_server, std::uint32_t clients);
   void begin_anew(State& state, bool is_server, std::uint32_t clients) const;
   void answer(State& state, std::uint32_t item, std::uint32_t caller) const;
   // What is answered to that client is on its way for a while.
