@@ -174,7 +174,7 @@ TEST(CommandLine, ShowsTheLanguageOfSystemFiles) {
     EXPECT_THAT(result.out, HasSubstr(word));
   }
   const std::vector<std::string_view> lines = split_lines(result.out);
-  EXPECT_LE(lines.size(), 54);
+  EXPECT_LE(lines.size(), 50);
   for (const std::string_view line : lines) EXPECT_LE(line.size(), 80) << line;
   expect_error(run_maide({"language"}), 2, "unknown command 'language'");
 }

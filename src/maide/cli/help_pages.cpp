@@ -134,7 +134,7 @@ std::string_view language_help() {
   return R"(The language of system files (what it means: docs/systems.md)
 
 Sections; `programs` or `nodes` must be there:
-  constants:   {n: 4, half: n / 2, fast: true}
+  constants:   {n: 4, half: n / 2, fast: true}   holes: [TEXT]  nothing "holds"
   models:      NAME: {file: via.dot}  {learn: SUL, with: {KEY: VALUE}}
                {use: mutex}  {use: condition, with: {mutex: m}}
                {use: semaphore, with: {count: n}}  {use: queue, with: {size: n}}
@@ -153,8 +153,7 @@ Sections; `programs` or `nodes` must be there:
                       clients: {S: G}, variables: "...", callbacks: {C: {do:
                       "...", group: G, takes: M.read | timer: MS | serves: S}}}
   properties:  NAME: "FORMULA"  {ltl: "FORMULA", fairness: none|weak|strong}
-               {always | possible | always_possible: "EXPRESSION"}
-               {never: FILE.hoa}             holes: [TEXT]   nothing "holds"
+               {always|possible|always_possible: "EXPRESSION"}  {never: F.hoa}
   NAME[i in LOW..HIGH] is an array, of all but constants, executors, properties.
 
 Statements (M: model, x: variable, e: expression; @name before one labels it):
@@ -163,8 +162,7 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   switch M.input { output { } quiet { } } goes on by what comes, or nothing due
   select { ARM ARM }                      waits for several things; an arm is
     [when (e)] on M.input -> output { }     an input and its output, in one step
-    [when (e)] on M.input { a { } b { } }   the same with several outputs
-    [when (e)] on M.input { }               an input without outputs
+    [when (e)] on M.input { a { } b { } }   several outputs; none: M.input { }
     [when (e)] on M!output { }              an output that is due, or `arrived`
     when (e) { }  otherwise { }  timeout MS { }  a condition; if all else waits
   S.send;  S.receive -> answer;  wait S -> there;  a client; a callback: wait S
@@ -172,9 +170,8 @@ Statements (M: model, x: variable, e: expression; @name before one labels it):
   if (e) { } else if (e) { } else { }     by values;  idle STATEMENT rests
   if * { } else { }  if fair * { }  x = any e..e;  x = any fair e..e;   choices
   loop { }  while (e) { }  repeat e { }  for k in e..e { }  break;  continue;
-  var x: 0..3 = 1;  var ok: bool = any;  var m: {idle, busy};
-  var a[k in 0..9]: bool;                 STATEMENT at "FILE:LINE";   its source
-  x = e;  a[e] = e;                       no step, unless a variable is shared
+  var x: 0..3 = 1;  var ok: bool = any;  var m: {a, b};  var a[k in 0..9]: bool;
+  x = e;  a[e] = e;  no step, unless shared;  STATEMENT at "FILE:LINE"; source
   atomic { x = e; if (e) { } }            one step; `when (e) atomic { }` waits
   call p(ARGS);  return;  stop;  skip;  unknown;  run T;  join T;  end;  kill E;
   spin;  spin once|some|all;  spin until S -> answer;   in an executor's `main`

@@ -5,8 +5,8 @@
 //
 //   alive -die-> ending 1 -end 1-> ... -end n-> dead -begin anew-> beginning 1 -begin 1-> ... alive
 //
-// States: what is said above, how often it may still begin anew by itself, and whether it was told
-// to: 2 (restarts + 1) (2 programs + 2).
+// There are 2 (restarts + 1) (2 programs + 2) states. Beside what is said above a state knows how
+// often the process began anew by itself, and whether it was told to.
 #pragma once
 
 #include <cstdint>
