@@ -11,6 +11,7 @@
 
 #include "maide/base/text.hpp"
 #include "maide/check/build/declarations.hpp"
+#include "maide/check/build/open_ends.hpp"
 #include "maide/check/rules/life.hpp"
 
 namespace maide {
@@ -89,8 +90,7 @@ class LifeMaker {
 
   void read(const TreeNode& entry, const std::string& process) {
     ProcessWish& wish = wishes_[process];
-    const TreeNode* const may_die = entry.find("may_die");
-    wish.may_die = wish.may_die || (may_die != nullptr && may_die->is("true"));
+    wish.may_die = wish.may_die || says(entry, "may_die");
     const TreeNode* const may_restart = entry.find("may_restart");
     if (may_restart == nullptr || may_restart->is("false")) return;
     wish.may_restart = may_restart;

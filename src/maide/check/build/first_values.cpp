@@ -20,24 +20,8 @@ void wait_at_first(System& system, std::uint32_t number, const ModelUse& gate) {
   for (std::uint32_t i = 0; i < first.edge_count; ++i) {
     ProgramEdge& edge = program.edges[first.first_edge + i];
     if (edge.kind != ModelUse::Kind::combined) {
-      CombinedStep step;
-      if (edge.kind == ModelUse::Kind::choice) {
-        step.role = CombinedStep::Role::choice;
-        step.text = edge.index == 0 ? "if *" : "if *, else";
-      } else {
-        step.uses.push_back(edge);
-        const bool is_event =
-            edge.kind == ModelUse::Kind::give || edge.kind == ModelUse::Kind::take;
-        if (is_event) step.events.push_back(edge);
-        const ModelInstance& model = system.models[edge.model];
-        const auto& automaton = model.automaton;
-        step.text = model.name;
-        if (edge.kind == ModelUse::Kind::give) {
-          step.text += "." + automaton.inputs().name(edge.index);
-        } else if (edge.kind == ModelUse::Kind::take) {
-          step.text += "!" + automaton.outputs().name(edge.index);
-        }
-      }
+      CombinedStep step = as_combined_step(
+          edge, edge.kind == ModelUse::Kind::choice ? nullptr : &system.models[edge.model]);
       edge.kind = ModelUse::Kind::combined;
       edge.model = 0;
       edge.index = static_cast<std::uint32_t>(program.combined.size());

@@ -131,20 +131,11 @@ class FlowWalker final : public Walker {
       case Kind::choice:
         for (const Value way : {1, 0}) settle(enter(branch(statement, way), next), values);
         break;
-      case Kind::choose: {
-        if (!statement.expression) {
-          const std::uint64_t count = statement.type.count();
-          for (std::uint64_t one = 0; one < count && count <= max_outcomes; ++one) {
-            with_value(place, statement, statement.type.at(one), values);
-          }
-          break;
+      case Kind::choose:
+        if (const auto choices = choices_of(statement, values)) {  // too many are told later
+          for (const Value value : *choices) with_value(place, statement, value, values);
         }
-        const Value low = evaluate(*statement.expression, values);
-        const Value high = evaluate(statement.upper, values);
-        if (distance(low, high) >= max_outcomes) break;  // which is told later
-        for (Value value = low; value <= high; ++value) with_value(place, statement, value, values);
         break;
-      }
       case Kind::assign:
         for (const auto& way : outcomes(*statement.expression, values, where)) {
           if (way.result.value) with_value(place, statement, *way.result.value, values);

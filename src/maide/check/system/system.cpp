@@ -185,6 +185,26 @@ bool is_deadlock(const System& system, const GlobalState& state) {
   return false;
 }
 
+CombinedStep as_combined_step(const ModelUse& use, const ModelInstance* model) {
+  CombinedStep step;
+  if (use.kind == ModelUse::Kind::choice) {
+    step.role = CombinedStep::Role::choice;
+    step.text = use.index == 0 ? "if *" : "if *, else";
+    return step;
+  }
+  step.uses = {use};
+  step.text = model->name;
+  if (use.kind == ModelUse::Kind::give) {
+    step.text += "." + model->automaton.inputs().name(use.index);
+  } else if (use.kind == ModelUse::Kind::take) {
+    step.text += "!" + model->automaton.outputs().name(use.index);
+  } else {
+    return step;
+  }
+  step.events = {use};
+  return step;
+}
+
 std::span<const ModelUse> uses_of(const System& system, const Step& step) {
   if (step.actor == nobody) return system.nobodys_actions[step.action].what.uses;
   return system.programs[step.actor].uses_of(edge_of(system, step));

@@ -289,6 +289,9 @@ bool is_true(const Expression& expression, const System& system, const GlobalSta
 
 // The models that it uses, in the order of its targets. Valid as long as the system.
 std::span<const ModelUse> uses_of(const System& system, const Step& step);
+// What an edge of that use is as a combined step, to which other uses may be added. `model`: the
+// one that it uses; null of a choice.
+CombinedStep as_combined_step(const ModelUse& use, const ModelInstance* model);
 // The inputs that it gives and the outputs that it takes.
 std::span<const ModelUse> events_of(const System& system, const Step& step);
 // Who takes it, for formulas and readers: nobody, where it happens by itself and ends the call of

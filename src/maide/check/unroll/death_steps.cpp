@@ -31,6 +31,16 @@ class DeathMaker {
     return ways;
   }
 
+  // Its services are there no more.
+  Uses when_all_know() {
+    Uses uses;
+    for (const auto& [model, service] : names_.services) {
+      if (!service.presence || !is_own(service.server)) continue;
+      uses.push_back(actions_.variable(*service.presence, nullptr, 0));
+    }
+    return uses;
+  }
+
   Uses when_begins_anew() {
     Uses uses;
     std::map<std::uint32_t, std::uint32_t> counters;  // and one model that each counts for
@@ -205,19 +215,11 @@ std::vector<Uses> ways_to_die(const Dying& who, const Names& names, ModelActions
 std::vector<Uses> ways_to_die(const Life& life, LifeRules::Operation::Kind how, bool at_once,
                               const Names& names, ModelActions& actions) {
   const Dying who{life.programs, life.nodes, life.own_models};
-  std::vector<Uses> ways = ways_to_die(who, names, actions);
-  for (Uses& way : ways) {
-    way.push_back(life.rules->use(actions, life.model, {how, 0}));
-    if (!at_once) continue;
-    for (const auto& [model, service] : names.services) {
-      const bool is_server =
-          service.server.node.empty()
-              ? std::ranges::find(life.programs, service.server.program) != life.programs.end()
-              : std::ranges::find(life.nodes, service.server.node) != life.nodes.end();
-      if (!service.presence || !is_server) continue;
-      way.push_back(actions.variable(*service.presence, nullptr, 0));
-    }
-  }
+  DeathMaker maker(who, names, actions);
+  std::vector<Uses> ways = maker.ways_to_die();
+  Uses others = at_once ? maker.when_all_know() : Uses{};
+  others.push_back(life.rules->use(actions, life.model, {how, 0}));
+  for (Uses& way : ways) way.insert(way.end(), others.begin(), others.end());
   return ways;
 }
 

@@ -9,7 +9,9 @@ namespace maide::program_syntax {
 
 void EdgeWriter::add_edge(const ModelUse& use, ControlState target, int line, int column) {
   if (life_ != nullptr && use.kind != ModelUse::Kind::combined) {
-    return add_combined(combined_of(use), target, line, column);
+    const bool is_choice = use.kind == ModelUse::Kind::choice;
+    return add_combined(as_combined_step(use, is_choice ? nullptr : &actions_.model(use.model)),
+                        target, line, column);
   }
   look_sometimes();
   if (use.kind == ModelUse::Kind::take && actions_.model(use.model).awaits_anybody) {
@@ -39,20 +41,6 @@ void EdgeWriter::add_combined(CombinedStep combined, ControlState target, int li
   const auto number = static_cast<Symbol>(program_.combined.size());
   program_.combined.push_back(std::move(combined));
   add_edge({ModelUse::Kind::combined, 0, number}, target, line, column);
-}
-
-CombinedStep EdgeWriter::combined_of(const ModelUse& use) const {
-  if (use.kind == ModelUse::Kind::choice) {
-    return {CombinedStep::Role::choice, {}, {}, use.index == 0 ? "if *" : "if *, else", 0};
-  }
-  const ModelInstance& model = actions_.model(use.model);
-  const bool gives = use.kind == ModelUse::Kind::give;
-  const Alphabet& names = gives ? model.automaton.inputs() : model.automaton.outputs();
-  return {CombinedStep::Role::step,
-          {use},
-          {use},
-          model.name + (gives ? "." : " -> ") + names.name(use.index),
-          0};
 }
 
 std::uint32_t EdgeWriter::fair_group(const Callback* callback, int line, int column, Value outcome,

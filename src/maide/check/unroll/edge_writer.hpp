@@ -73,9 +73,6 @@ class EdgeWriter : public Walker {
   std::uint32_t origin_ = 0;    // of the statement that is expanded
 
  private:
-  // What an edge of that use is as a combined step.
-  CombinedStep combined_of(const ModelUse& use) const;
-
   std::map<std::tuple<const Callback*, int, int, Value>, std::uint32_t> fair_ids_;
   std::map<std::tuple<std::string, int, int>, std::uint32_t> origin_ids_;
 };

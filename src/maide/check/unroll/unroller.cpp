@@ -113,10 +113,14 @@ void Unroller::expand_life(const Place& place, Program::State& state) {
   add_end_of_life(place);
 }
 
-void Unroller::add_death(const Place& place) {
+ControlState Unroller::out_of(const Place& place, Phase phase) {
   Values values = program_.valuations[place.valuation];
   for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
-  const ControlState end = control_state({no_frame, Phase::before, 0, intern_values(values), 0, 0});
+  return control_state({no_frame, phase, 0, intern_values(values), 0, 0});
+}
+
+void Unroller::add_death(const Place& place) {
+  const ControlState end = out_of(place, Phase::before);
   if (deaths_.empty()) deaths_ = ways_to_die(Dying{{number_}, nodes_}, names_, actions_);
   for (const Uses& uses : deaths_) {
     add_combined({CombinedStep::Role::death, uses, {}, program_.name + " dies", 0}, end,
@@ -126,16 +130,13 @@ void Unroller::add_death(const Place& place) {
 
 void Unroller::add_end_of_life(const Place& place) {
   const std::uint32_t own = life_->number_of(number_);
-  Values values = program_.valuations[place.valuation];
-  for (FrameId id = place.frame; id != no_frame;) id = leave(id, values);
   const Phase phase = life_->may_begin_anew ? Phase::dead : Phase::before;
   add_combined({CombinedStep::Role::fate,
                 {use(*life_, LifeRules::Operation::Kind::end, own)},
                 {},
                 program_.name + " ends with its process",
                 0},
-               control_state({no_frame, phase, 0, intern_values(values), 0, 0}),
-               program_.position.line, program_.position.column);
+               out_of(place, phase), program_.position.line, program_.position.column);
 }
 
 void Unroller::add_begin_of_life() {
@@ -167,31 +168,13 @@ void Unroller::expand_choice(const Place& place, const Statement& statement, con
 }
 
 void Unroller::expand_any(const Place& place, const Statement& statement, const Values& values) {
-  if (!statement.expression) {
-    const std::uint64_t count = statement.type.count();
-    if (count > max_outcomes) {
-      throw ParseError("'any' chooses from more than " + std::to_string(max_outcomes) + " values",
-                       at(statement.line, statement.column));
-    }
-    for (std::uint64_t number = 0; number < count; ++number) {
-      const Value value = statement.type.at(number);
-      add_combined({CombinedStep::Role::choice,
-                    {},
-                    {},
-                    statement.target.name + " = " + text_of(value, statement.type.kind),
-                    0},
-                   with_value(place, statement, value, values), statement.line, statement.column);
-    }
-    return;
-  }
-  const Value low = evaluate(*statement.expression, values);
-  const Value high = evaluate(statement.upper, values);
-  if (distance(low, high) >= max_outcomes) {
+  const auto choices = choices_of(statement, values);
+  if (!choices) {
     throw ParseError("'any' chooses from more than " + std::to_string(max_outcomes) + " values",
                      at(statement.line, statement.column));
   }
-  for (Value value = low; value <= high; ++value) {
-    const std::string text = statement.target.name + " = " + std::to_string(value);
+  for (const Value value : *choices) {
+    const std::string text = statement.target.name + " = " + text_of(value, statement.type.kind);
     std::uint32_t fair = 0;
     if (statement.is_fair) {
       fair = fair_group(statement.callback, statement.line, statement.column, value, true, text);

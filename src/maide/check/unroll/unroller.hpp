@@ -31,6 +31,8 @@ class Unroller : public SpinSteps {
   void note_guards(const Statement& statement);
   // Of a program whose process has a life.
   void expand_life(const Place& place, Program::State& state);
+  // Where control is behind all of the text.
+  ControlState out_of(const Place& place, Phase phase);
   void add_death(const Place& place);
   // Its process has died, and with it the program, wherever it is.
   void add_end_of_life(const Place& place);

@@ -262,6 +262,22 @@ ControlState Walker::walk(FrameId id, Values& values) {
                         intern_labels(std::move(labels)), intern_values(values), 0, 0});
 }
 
+std::optional<std::vector<Value>> Walker::choices_of(const Statement& statement,
+                                                     const Values& values) const {
+  std::vector<Value> choices;
+  if (!statement.expression) {  // those of its type
+    const std::uint64_t count = statement.type.count();
+    if (count > max_outcomes) return std::nullopt;
+    for (std::uint64_t i = 0; i < count; ++i) choices.push_back(statement.type.at(i));
+    return choices;
+  }
+  const Value low = evaluate(*statement.expression, values);
+  const Value high = evaluate(statement.upper, values);
+  if (distance(low, high) >= max_outcomes) return std::nullopt;
+  for (Value value = low; value <= high; ++value) choices.push_back(value);
+  return choices;
+}
+
 ParseError Walker::too_many_rounds(const Statement& statement) const {
   return ParseError(
       "this loop goes round more than " + std::to_string(max_rounds) + " times without a step",

@@ -139,6 +139,9 @@ class Walker : public Evaluator {
   // that to one of the program's own.
   ControlState with_value(const Place& place, const Statement& statement, Value value,
                           Values values);
+  // What an `any` chooses from; none: more than max_outcomes.
+  std::optional<std::vector<Value>> choices_of(const Statement& statement,
+                                               const Values& values) const;
   Error too_large(const Place& place) const;
   // Heeds the control, each time that so many steps were walked: less is no time.
   void look_sometimes() {
