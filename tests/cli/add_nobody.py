@@ -31,7 +31,8 @@ uses = [[GIVE, numbers[name], system["models"][numbers[name]]["automaton"]["inpu
         for name, action in (("wire", "read"), ("box", "write"))]
 system["nobodys_groups"] = ["", "an image arrives"]
 system["nobodys_actions"] = [{
-    "what": {"role": 0, "uses": uses, "events": uses, "text": "an image arrives", "fair": 1, "callback": None},
+    "what": {"role": 0, "uses": uses, "events": uses, "text": "an image arrives", "fair": 1, "callback": None,
+             "awaits_anybody": False},
     "counts_for_deadlock": True, "is_shown": True, "lost": "the image before", "origin": None,
     "position": {"file": system["file"], "line": 1, "column": 1}}]
 program = system["programs"][0]

@@ -142,7 +142,7 @@ TEST_F(Hoa, NeverNamesAFile) {
   EXPECT_THAT(test::error_of([] { two_programs("  f: {never: nowhere.hoa}\n"); }),
               HasSubstr("there is no file 'nowhere.hoa'"));
   EXPECT_THAT(test::error_of([] { two_programs("  f: {ltl: \"G true\", never: x.hoa}\n"); }),
-              HasSubstr("one of 'ltl', 'always', 'possible' and 'never'"));
+              HasSubstr("one of 'ltl', 'always', 'possible', 'always_possible' and 'never'"));
 }
 
 // As many marks and propositions as a word of 64 bits has; not one more.

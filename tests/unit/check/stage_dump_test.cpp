@@ -99,6 +99,26 @@ TEST(StageDump, KeepsTheValuesOfConstantsThatWereSet) {
               HasSubstr("{n: 3, m: n}"));
 }
 
+TEST(StageDump, KeepsWhichProcessesDieAndWhoseProgramsAreOver) {
+  const std::string text =
+      "programs:\n  a: {do: 'skip;', may_die: true, may_restart: 2, process: x}\n"
+      "  b: {do: 'skip;', process: x}\n  k: 'kill a; restart x;'\n";
+  const System system = parse_system(text, "s.yaml", ask_nobody);
+  for (const Stage stage : {Stage::names, Stage::models, Stage::system}) {
+    const std::string dump = dump_stage(stage, text, "s.yaml", ask_nobody);
+    const System read = parse_system(dump, "d", ask_nobody);
+    EXPECT_EQ(json_text(read), json_text(system));
+    for (std::size_t number = 0; number < system.programs.size(); ++number) {
+      const Program &one = system.programs[number], &other = read.programs[number];
+      EXPECT_EQ(one.may_die(), other.may_die()) << one.name;
+      ASSERT_EQ(one.states.size(), other.states.size());
+      for (ControlState at = 0; at < one.states.size(); ++at) {
+        EXPECT_EQ(one.is_end(at), other.is_end(at)) << one.name << " at " << at;
+      }
+    }
+  }
+}
+
 TEST(StageDump, OfEachStageOfEachExampleLeadsToTheSameSystem) {
   int compared = 0;
   for (const std::string& file : examples()) {

@@ -179,8 +179,8 @@ static void from_json(const json& from, ProgramEdge& edge) {
 
 static void to_json(json& to, const Program::State& state) {
   hear();
-  to = {state.first_edge, state.edge_count, state.label_set, state.round,
-        state.valuation,  state.error,      state.may_rest,  state.waits};
+  to = {state.first_edge, state.edge_count, state.label_set, state.round,  state.valuation,
+        state.error,      state.may_rest,   state.waits,     state.is_over};
 }
 static void from_json(const json& from, Program::State& state) {
   hear();
@@ -192,7 +192,8 @@ static void from_json(const json& from, Program::State& state) {
            number(4),
            number(5),
            from.at(6).get<bool>(),
-           from.at(7).get<bool>()};
+           from.at(7).get<bool>(),
+           from.at(8).get<bool>()};
 }
 
 MAIDE_JSON_MEMBERS(CombinedStep, role, uses, events, text, fair, callback, awaits_anybody)
@@ -204,9 +205,9 @@ MAIDE_JSON_MEMBERS(Program::Round, outer, line, column, number, count)
 MAIDE_JSON_MEMBERS(Program::CallbackLines, name, first, last)
 MAIDE_JSON_MEMBERS(Program::Guard, text, line, column, variables)
 MAIDE_JSON_MEMBERS(Program::Select, state, guards)
-MAIDE_JSON_MEMBERS(Program, name, flags, nodes, execution, callbacks, position, last_line, states,
-                   edges, labels, label_sets, rounds, unreachable, combined, fair_groups, variables,
-                   valuations, errors, selects, guard_lists, origins, names, spins_until)
+MAIDE_JSON_MEMBERS(Program, name, flags, nodes, execution, life, callbacks, position, last_line,
+                   states, edges, labels, label_sets, rounds, unreachable, combined, fair_groups,
+                   variables, valuations, errors, selects, guard_lists, origins, names, spins_until)
 
 // ---- Properties ---------------------------------------------------------------------------------
 
