@@ -61,6 +61,38 @@ std::string together(const std::string& process) {
          "}\nproperties:\n  goes_on: {ltl: \"G F b@x\", fairness: strong}\n";
 }
 
+// Two programs of one process, and one that kills it.
+std::string labels_of_the_dead(const std::string& more) {
+  const std::string does = "{do: \"@begins skip; @stands loop { idle q.read -> message; }\"";
+  return "models: {q: {use: queue, with: {size: 1}}}\nprograms:\n  a: " + does +
+         ", process: d, may_die: true" + more + "}\n  b: " + does +
+         ", process: d}\n  k: \"select { when (go) {} } kill d; @after skip;\"\n"
+         "variables: \"var go: bool = true;\"\nproperties:\n"
+         "  gone: \"G (k@after -> !(a@stands && b@end) && !(a@end && b@stands))\"\n"
+         "  both: \"G (a@end <-> b@end)\"\n"
+         "  done: \"G (k@after -> a@end)\"\n"
+         "  in_the_end: {ltl: \"F (k@after -> F (k@end || a@begins))\", fairness: strong}\n";
+}
+const std::string kills_again_and_again = R"(
+programs:
+  s: "@begins skip; select { timeout 5 { } } @stands skip;"
+  k: "loop { restart s; }"
+properties:
+  anew: {ltl: "G F s@begins", fairness: strong}
+)";
+
+// What it alone has is as in the beginning from its death on; `n` is in no scope there.
+const std::string variables_of_the_dead = R"(
+variables: "var mine: 0..5 = 2; var other: 0..5 = 2;"
+programs:
+  s: "other = 3; mine = 4; var n: 0..1 = 1; select { when (other == 5) { } }"
+  k: "select { when (other == 3) { } } kill s; @after skip; other = 4;"
+properties:
+  first: {possible: "k@after && s.n < 2"}
+  other: 'G (k@after -> other == 3)'
+  mine: 'G (k@after -> mine == 2)'
+)";
+
 // Who asks begins anew behind its request, which is answered then.
 std::string asks_anew(const std::string& killer) {
   return cmd +
@@ -136,6 +168,19 @@ INSTANTIATE_TEST_SUITE_P(
         test::VerdictCase{
             "multi_anew", "stays", V,
             served_by_node("kind: multi, threads: 2, may_die: true, may_restart: true")},
+        test::VerdictCase{"labels", "gone", H, labels_of_the_dead("")},
+        test::VerdictCase{"labels", "both", H, labels_of_the_dead("")},
+        test::VerdictCase{"labels", "done", H, labels_of_the_dead("")},
+        test::VerdictCase{"labels_anew", "gone", H, labels_of_the_dead(", may_restart: true")},
+        test::VerdictCase{"labels_anew", "both", H, labels_of_the_dead(", may_restart: true")},
+        test::VerdictCase{"labels_anew", "done", V, labels_of_the_dead(", may_restart: true")},
+        test::VerdictCase{"labels_anew", "in_the_end", H,
+                          labels_of_the_dead(", may_restart: true")},
+        test::VerdictCase{"killed_again_and_again", "stuck", H, kills_again_and_again},
+        test::VerdictCase{"killed_again_and_again", "anew", H, kills_again_and_again},
+        test::VerdictCase{"variables_of_the_dead", "first", V, variables_of_the_dead},
+        test::VerdictCase{"variables_of_the_dead", "other", H, variables_of_the_dead},
+        test::VerdictCase{"variables_of_the_dead", "mine", H, variables_of_the_dead},
         test::VerdictCase{"alone", "goes_on", H, together("")},
         test::VerdictCase{"together", "goes_on", V, together(", process: x")},
         test::VerdictCase{"together", "deadlock", H, together(", process: x")},

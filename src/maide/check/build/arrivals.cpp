@@ -21,6 +21,10 @@ class ArrivalMaker {
   void make() {
     system_.nobodys_actions.clear();
     system_.nobodys_groups.assign(1, "");
+    for (const Life& life : names_.lives) {
+      MAIDE_CHECK(life.group == system_.nobodys_groups.size());
+      system_.nobodys_groups.push_back("the life of " + life.process);
+    }
     for (const auto& [to, wires] : names_.wires) {
       for (const Wire& wire : wires) add(wire);
     }
@@ -161,8 +165,7 @@ class ArrivalMaker {
     NobodysAction begin;
     begin.what.text = life.process + " begins anew";
     begin.what.uses = when_begins_anew(life, names_, actions_);
-    begin.what.fair = static_cast<std::uint32_t>(system_.nobodys_groups.size());
-    system_.nobodys_groups.push_back("that " + life.process + " begins anew");
+    begin.what.fair = life.group;
     add(std::move(begin), life.model);
   }
 

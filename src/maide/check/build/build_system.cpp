@@ -16,6 +16,7 @@
 #include "maide/check/build/first_values.hpp"
 #include "maide/check/build/wires.hpp"
 #include "maide/check/ltl/ltl_automaton.hpp"
+#include "maide/check/rules/life.hpp"
 #include "maide/check/system/model_actions.hpp"
 #include "maide/check/unroll/make_program.hpp"
 
@@ -150,7 +151,7 @@ class SystemBuilder {
       program.execution = declared.execution;
       program.process = declared.process;
       if (const Life* const life = models_.names.life_of(number)) {
-        program.life = life->model;
+        program.life = life_of(*life, number);
         program.names.insert(std::ranges::upper_bound(program.names, life->model), life->model);
       }
       for (CombinedStep& combined : program.combined) {
@@ -160,6 +161,15 @@ class SystemBuilder {
       if (declared.may_die) name_ends(program, number);
     }
     add_arrivals(file_, models_.names, system_, actions);
+  }
+
+  ProgramLife life_of(const Life& life, std::uint32_t program) const {
+    ProgramLife own{life.model, {}, {}};
+    for (StateId at = 0; at < system_.models[life.model].automaton.size(); ++at) {
+      own.is_dead.push_back(life.rules->is_dead(at, life.number_of(program)));
+      own.is_dead_for_good.push_back(!life.is_told && life.rules->is_over(at));
+    }
+    return own;
   }
 
   program_syntax::Tree resolve(std::uint32_t number) {

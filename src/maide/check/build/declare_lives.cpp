@@ -164,7 +164,9 @@ class LifeMaker {
     life.process = wish.shown;
     life.programs = wish.programs;
     life.may_die = wish.may_die;
+    life.is_told = wish.is_told;
     life.may_begin_anew = wish.is_told || wish.restarts > 0;
+    life.group = static_cast<std::uint32_t>(file_.names.lives.size() + 1);
     life.rules = std::make_shared<LifeRules>(static_cast<std::uint32_t>(wish.programs.size()),
                                              wish.restarts);
     const ProgramDeclaration& first = file_.programs[wish.programs.front()];

@@ -132,7 +132,7 @@ class WireMaker {
     for (const Topic& topic : models_.names.topics) add_topic(topic);
     const auto writers = writers_of_models();
     for (const auto& [model, ends] : writers) add_model(model, ends);
-    std::uint32_t group = 0;
+    auto group = static_cast<std::uint32_t>(models_.names.lives.size());  // those come first
     for (auto& [to, wires] : models_.names.wires) {
       add_counter(to, wires);
       for (Wire& wire : wires) wire.group = ++group;

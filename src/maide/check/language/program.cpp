@@ -34,6 +34,9 @@ bool Program::has_label(ControlState state, std::uint32_t label) const {
 }
 
 bool Program::may_end() const {
+  if (life && std::ranges::find(life->is_dead_for_good, true) != life->is_dead_for_good.end()) {
+    return true;
+  }
   for (ControlState state = 0; state < states.size(); ++state) {
     if (is_end(state)) return true;
   }

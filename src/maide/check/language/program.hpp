@@ -65,18 +65,19 @@ struct CombinedStep {
     look,       // of an executor that goes by rounds
     discard,    // so is this: a client that was found has answers to others alone, or one of them
     death,      // the program ends here: no progress, and no fairness asks for it
-    fate,       // it ends with its process, or begins anew with it
     // A message arrives, by itself, and with it the call ends in which the program stands: who
     // waits for it is the program, and who does it is nobody.
     arrival,
     loss,       // so is it if the message is lost: no progress
+    fate,       // it ends with its process, or begins anew with it: by itself, as messages arrive
     causeless,  // who waits at a condition wakes by himself: no progress
   };
   Role role = Role::step;
   std::vector<ModelUse> uses;    // all at once, each of another model; none is choice or combined
   std::vector<ModelUse> events;  // the inputs given and outputs taken, for formulas: give, take
   std::string text;              // in the file's words: "images.read -> message", "n = 3"
-  // Its fair group in the program; of an arrival among System::nobodys_groups. 0: none.
+  // Its fair group in the program; of what happens by itself among System::nobodys_groups. 0:
+  // none.
   std::uint32_t fair = 0;
   // Of a start or a discard: the callback, of the system's.
   std::optional<std::uint32_t> callback{};
@@ -116,6 +117,15 @@ struct ProgramError {
   SourcePosition position;
 };
 
+// Of a program whose process begins anew, or of which several programs end at once: the model that
+// says whether the process lives, and what the program is by that model's state. A dead one is at
+// no label.
+struct ProgramLife {
+  std::uint32_t model = 0;
+  std::vector<bool> is_dead;
+  std::vector<bool> is_dead_for_good;  // it never begins anew: it has ended
+};
+
 struct Program {
   struct State {
     std::uint32_t first_edge = 0;
@@ -150,11 +160,10 @@ struct Program {
   };
   std::string name;
   ActorFlags flags;
-  std::vector<std::string> nodes;     // whose callbacks it runs; else empty
-  std::string execution;              // of callbacks: "on one thread, in any order"
-  std::string process;                // programs of one process have the same name here
-  std::optional<std::uint32_t> life;  // the model that says whether the process lives; none: see
-                                      // may_die()
+  std::vector<std::string> nodes;   // whose callbacks it runs; else empty
+  std::string execution;            // of callbacks: "on one thread, in any order"
+  std::string process;              // programs of one process have the same name here
+  std::optional<ProgramLife> life;  // none: see may_die()
   struct CallbackLines {
     std::string name;  // "detector.on_image"
     int first = 0, last = 0;
@@ -227,10 +236,11 @@ struct Program {
            role != CombinedStep::Role::causeless &&
            (flags.counts_on_anybody || !awaits_anybody(edge));
   }
-  // It happens by itself: the program waits for it in a call.
+  // It happens by itself: the program waits for it in a call, or ends or begins with its process.
   bool is_by_itself(const ProgramEdge& edge) const {
     const CombinedStep::Role role = role_of(edge);
-    return role == CombinedStep::Role::arrival || role == CombinedStep::Role::loss;
+    return role == CombinedStep::Role::arrival || role == CombinedStep::Role::loss ||
+           role == CombinedStep::Role::fate;
   }
   // Nobody has to do what it waits for.
   bool awaits_anybody(const ProgramEdge& edge) const {

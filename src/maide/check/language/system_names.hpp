@@ -220,7 +220,9 @@ struct Life {
   std::vector<std::string> nodes;         // whose code they run
   std::vector<std::uint32_t> own_models;  // that nobody else uses: they begin anew with it
   bool may_die = false;                   // by itself, at any time
+  bool is_told = false;                   // some code tells it to begin anew
   bool may_begin_anew = false;
+  std::uint32_t group = 0;  // of its ends and beginnings: among System::nobodys_groups
 
   // The place among `programs`, of which it is one.
   std::uint32_t number_of(std::uint32_t program) const {

@@ -46,6 +46,16 @@ std::optional<StateId> LifeRules::after(StateId state, const Operation& operatio
   return (2 * used + (is_told ? 1 : 0)) * phases() + phase;
 }
 
+bool LifeRules::is_dead(StateId state, std::uint32_t program) const {
+  const std::uint32_t phase = state % phases();
+  return 0 < phase && phase <= programs_ + 2 + program;
+}
+
+bool LifeRules::is_over(StateId state) const {
+  const std::uint32_t phase = state % phases();
+  return 0 < phase && phase <= programs_ + 1 && state / phases() == 2 * restarts_;
+}
+
 std::string LifeRules::text_of(const Operation& operation) const {
   using Kind = Operation::Kind;
   switch (operation.kind) {

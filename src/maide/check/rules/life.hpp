@@ -9,6 +9,7 @@
 // often the process began anew by itself, and whether it was told to.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,10 +41,16 @@ class LifeRules {
       : programs_(programs), restarts_(restarts) {}
 
   // Its state 0 is alive.
-  InterfaceAutomaton automaton() const { return {{}, {}, 2 * (restarts_ + 1) * phases()}; }
+  InterfaceAutomaton automaton() const {
+    return {{}, {}, 2 * std::size_t{phases()} * (restarts_ + 1)};
+  }
   // Behind the operation; none where it is not possible.
   std::optional<StateId> after(StateId state, const Operation& operation) const;
   ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation) const;
+  // Whether the process has died, and that program has not begun anew.
+  bool is_dead(StateId state, std::uint32_t program) const;
+  // It has died, and does not begin anew unless it is told to.
+  bool is_over(StateId state) const;
 
  private:
   // Alive, the ends of programs, dead, their begins.

@@ -8,22 +8,43 @@
 #include "maide/check/ltl/ltl_automaton.hpp"
 
 namespace maide {
+namespace {
+
+// It is no condition.
+bool may_change(const ModelInstance& model, const ModelUse& use) {
+  if (use.kind == ModelUse::Kind::quiet) return false;
+  if (use.kind != ModelUse::Kind::act) return true;
+  const auto& steps = model.actions[use.index].steps;
+  for (StateId at = 0; at < steps.size(); ++at) {
+    if (std::ranges::any_of(steps[at], [&](const ModelStep& step) { return step.target != at; })) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 AtomView::AtomView(const Atom& atom, const System& system) : atom_(atom), system_(&system) {
   if (atom.is_event()) return;
   if (atom.kind != Atom::Kind::expression) {
-    field(false, atom.owner);
+    program_field(atom.owner);
     return;
   }
   for_each_variable(system.expressions[atom.owner], [&](const Expression& leaf) {
     for (std::uint32_t i = 0; i < element_count(leaf); ++i) {
       if (leaf.op == Expression::Operator::local) {
-        field(false, leaf.owner).variables.push_back(leaf.index + i);
+        program_field(leaf.owner).variables.push_back(leaf.index + i);
       } else {
         field(true, leaf.index + i);
       }
     }
   });
+}
+
+AtomField& AtomView::program_field(std::uint32_t program) {
+  if (const auto& life = system_->programs[program].life) field(true, life->model);
+  return field(false, program);
 }
 
 AtomField& AtomView::field(bool is_model, std::uint32_t index) {
@@ -40,7 +61,9 @@ bool AtomView::sees(std::uint32_t actor, std::uint32_t action) const {
   const auto uses = uses_of(*system_, step);
   return std::ranges::any_of(fields_, [&](const AtomField& field) {
     if (field.is_model) {
-      return std::ranges::find(uses, field.index, &ModelUse::model) != uses.end();
+      return std::ranges::any_of(uses, [&](const ModelUse& use) {
+        return use.model == field.index && may_change(system_->models[field.index], use);
+      });
     }
     if (field.index != actor) return false;
     const Program& program = system_->programs[actor];

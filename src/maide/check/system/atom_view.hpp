@@ -2,6 +2,9 @@
 // its fields: a program's place, as far as a label, the end or variables tell places apart, and the
 // values of shared variables. Monitors and exports make a table of the atom's values from them.
 //
+// What an atom says of a program is false while the program's process is dead: then the model that
+// says whether it lives is a field, too.
+//
 // An example: `camera.left < n`, with a variable `left` of a program and a shared variable `n`, has
 // two fields. A step of `camera` that leaves `left` as it is is not seen. An event, `port.write`,
 // has no fields: it depends on the last step, and not on the state.
@@ -41,6 +44,7 @@ class AtomView {
   Values values(const std::vector<std::vector<std::uint32_t>>& states, std::size_t most) const;
 
  private:
+  AtomField& program_field(std::uint32_t program);
   AtomField& field(bool is_model, std::uint32_t index);
 
   Atom atom_;

@@ -242,6 +242,7 @@ void SystemPart::add_programs() {
     program_numbers_[number] = static_cast<std::uint32_t>(own_->programs.size());
     Program& program = own_->programs.emplace_back(whole_->programs[number]);
     for (std::uint32_t& model : program.names) model = model_numbers_[model];
+    if (program.life) program.life->model = model_numbers_[program.life->model];
     for (ProgramEdge& edge : program.edges) static_cast<ModelUse&>(edge) = renumbered(edge);
     for (CombinedStep& combined : program.combined) combined = renumbered(std::move(combined));
   }

@@ -274,6 +274,11 @@ std::size_t actor_count(const System& system) {
   return system.programs.size() + (system.nobodys_actions.empty() ? 0 : 1);
 }
 
+bool is_dead(const System& system, const GlobalState& state, std::uint32_t program) {
+  const auto& life = system.programs[program].life;
+  return life && life->is_dead[state.models[life->model]];
+}
+
 bool has_errors(const System& system) {
   return std::ranges::any_of(system.programs, [](const Program& program) {
     return std::ranges::any_of(program.states, [](const auto& state) { return state.error != 0; });
@@ -295,8 +300,10 @@ bool is_true(const Expression& expression, const System& system, const GlobalSta
              if (leaf.op == Expression::Operator::shared) {
                return system.models[index].type.at(state.models[index]);
              }
-             const auto value =
-                 system.programs[leaf.owner].value_of(state.programs[leaf.owner], index);
+             // Those of the dead are as in the beginning.
+             const ControlState at =
+                 is_dead(system, state, leaf.owner) ? 0 : state.programs[leaf.owner];
+             const auto value = system.programs[leaf.owner].value_of(at, index);
              if (!value) throw OutOfScope{};
              return *value;
            }) != 0;
@@ -317,10 +324,14 @@ std::string source_line(const System& system, const Program& program, int line) 
 
 bool is_true(const Atom& atom, const System& system, const GlobalState& state, const Step* last) {
   if (atom.kind == Atom::Kind::label) {
-    return system.programs[atom.owner].has_label(state.programs[atom.owner], atom.symbol);
+    return system.programs[atom.owner].has_label(state.programs[atom.owner], atom.symbol) &&
+           !is_dead(system, state, atom.owner);
   }
   if (atom.kind == Atom::Kind::end) {
-    return system.programs[atom.owner].is_end(state.programs[atom.owner]);
+    const Program& program = system.programs[atom.owner];
+    return is_dead(system, state, atom.owner)
+               ? program.life->is_dead_for_good[state.models[program.life->model]]
+               : program.is_end(state.programs[atom.owner]);
   }
   if (atom.kind == Atom::Kind::expression) {
     return is_true(system.expressions[atom.owner], system, state);

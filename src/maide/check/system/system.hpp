@@ -317,6 +317,9 @@ std::size_t actor_number(const System& system, std::uint32_t actor);
 // Programs, and nobody if he has actions.
 std::size_t actor_count(const System& system);
 
+// The program's process has died, and it has not begun anew.
+bool is_dead(const System& system, const GlobalState& state, std::uint32_t program);
+
 // Some control state of a program is an error.
 bool has_errors(const System& system);
 // Some step is no progress.

@@ -205,6 +205,7 @@ MAIDE_JSON_MEMBERS(Program::Round, outer, line, column, number, count)
 MAIDE_JSON_MEMBERS(Program::CallbackLines, name, first, last)
 MAIDE_JSON_MEMBERS(Program::Guard, text, line, column, variables)
 MAIDE_JSON_MEMBERS(Program::Select, state, guards)
+MAIDE_JSON_MEMBERS(ProgramLife, model, is_dead, is_dead_for_good)
 MAIDE_JSON_MEMBERS(Program, name, flags, nodes, execution, life, callbacks, position, last_line,
                    states, edges, labels, label_sets, rounds, unreachable, combined, fair_groups,
                    variables, valuations, errors, selects, guard_lists, origins, names, spins_until)

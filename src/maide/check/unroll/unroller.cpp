@@ -135,7 +135,7 @@ void Unroller::add_end_of_life(const Place& place) {
                 {use(*life_, LifeRules::Operation::Kind::end, own)},
                 {},
                 program_.name + " ends with its process",
-                0},
+                life_->group},
                out_of(place, phase), program_.position.line, program_.position.column);
 }
 
@@ -145,7 +145,7 @@ void Unroller::add_begin_of_life() {
                 {use(*life_, LifeRules::Operation::Kind::begin, own)},
                 {},
                 program_.name + " begins anew",
-                0},
+                life_->group},
                0, program_.position.line, program_.position.column);
 }
 
