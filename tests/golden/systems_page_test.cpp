@@ -71,7 +71,7 @@ TEST(SystemsPage, ItsExamplesAreSystemFiles) {
       ADD_FAILURE() << error.what();
     }
   }
-  EXPECT_EQ(with_verdicts, 11u);
+  EXPECT_EQ(with_verdicts, 12u);
 }
 
 // A row of the table of calls that hang: executor, groups of callback, client and server, the call.

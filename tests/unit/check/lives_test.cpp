@@ -85,7 +85,7 @@ properties:
 const std::string variables_of_the_dead = R"(
 variables: "var mine: 0..5 = 2; var other: 0..5 = 2;"
 programs:
-  s: "other = 3; mine = 4; var n: 0..1 = 1; select { when (other == 5) { } }"
+  s: "mine = 3; other = 3; mine = 4; var n: 0..1 = 1; select { when (other == 5) { } }"
   k: "select { when (other == 3) { } } kill s; @after skip; other = 4;"
 properties:
   first: {possible: "k@after && s.n < 2"}

@@ -31,6 +31,9 @@ class ArrivalMaker {
     for (const auto& [model, service] : names_.services) add(model, service);
     for (const auto& [model, service] : names_.services) add_gone(model, service);
     for (const auto& [model, service] : names_.services) add_coming(model, service);
+    for (const auto& [to, wires] : names_.wires) {
+      for (const Wire& wire : wires) add_meeting(wire);
+    }
     for (const Life& life : names_.lives) add_life(life);
   }
 
@@ -147,6 +150,16 @@ class ArrivalMaker {
     comes.what.uses = {actions_.variable(*service.presence, &is_away, 1)};
     system_.nobodys_groups.push_back("the server of " + service.name + ", whoever it is");
     add(std::move(comes), model);
+  }
+
+  void add_meeting(const Wire& wire) {
+    if (!wire.rules->meets()) return;
+    NobodysAction meeting;
+    meeting.what.text = wire.writer + " meets " + system_.models[wire.to].name;
+    meeting.what.fair = static_cast<std::uint32_t>(system_.nobodys_groups.size());
+    meeting.what.uses = {use(wire, actions_, Kind::meet)};
+    system_.nobodys_groups.push_back("that " + meeting.what.text);
+    add(std::move(meeting), wire.to);
   }
 
   // Its death, if it may die by itself, and that it begins anew.

@@ -151,7 +151,7 @@ class SystemBuilder {
       program.execution = declared.execution;
       program.process = declared.process;
       if (const Life* const life = models_.names.life_of(number)) {
-        program.life = life_of(*life, number);
+        program.life = life_of(*life, number, tree.initial);
         program.names.insert(std::ranges::upper_bound(program.names, life->model), life->model);
       }
       for (CombinedStep& combined : program.combined) {
@@ -163,8 +163,9 @@ class SystemBuilder {
     add_arrivals(file_, models_.names, system_, actions);
   }
 
-  ProgramLife life_of(const Life& life, std::uint32_t program) const {
-    ProgramLife own{life.model, {}, {}};
+  ProgramLife life_of(const Life& life, std::uint32_t program,
+                      const std::vector<std::optional<Value>>& first_values) const {
+    ProgramLife own{life.model, {}, {}, first_values};
     for (StateId at = 0; at < system_.models[life.model].automaton.size(); ++at) {
       own.is_dead.push_back(life.rules->is_dead(at, life.number_of(program)));
       own.is_dead_for_good.push_back(!life.is_told && life.rules->is_over(at));
@@ -218,6 +219,7 @@ class SystemBuilder {
       added.writer_names = topic.writer_names;
       added.writers.assign(topic.writers.begin(), topic.writers.end());
       added.delivers_one = topic.delivers_one;
+      added.meets = topic.meets;
       for (const Topic::Reader& reader : topic.readers) {
         std::optional<std::uint32_t> callback;
         for (std::uint32_t number = 0; number < system_.callbacks.size(); ++number) {

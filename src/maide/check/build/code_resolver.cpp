@@ -294,11 +294,28 @@ void CodeResolver::resolve_wait_for_server(const syntax::Statement& from, Statem
   arm.body = std::make_unique<Block>();
 }
 
+std::uint32_t CodeResolver::count_of_matched(const syntax::Event& matched) const {
+  if (!matched.has_arguments) return 1;
+  const bool is_number = matched.arguments.size() == 1 && !matched.arguments.front().is_declared;
+  const Value count =
+      is_number ? names_.constant(matched.arguments.front().term, "how many are to match") : 0;
+  if (count < 1 || count > Value{max_components}) {
+    names_.fail("`matched` has a number of at least 1: how many others are met",
+                matched.name.place);
+  }
+  return static_cast<std::uint32_t>(count);
+}
+
 void CodeResolver::resolve_wait(const syntax::Statement& from, Statement& to) {
   const syntax::Arm& awaited = from.arms.front();
   to.model = events_.sent_to(from.model);
   if (awaited.output.name.is("there") && events_.service_of(to.model) != nullptr) {
     return resolve_wait_for_server(from, to);
+  }
+  if (awaited.output.name.is("matched") && to.model.is_topic) {
+    to.kind = Statement::Kind::matched;
+    to.copies = count_of_matched(awaited.output);
+    return;
   }
   if (events_.is_arrival(to.model, awaited.output)) {
     to.kind = Statement::Kind::arrival;

@@ -35,6 +35,8 @@ class CodeResolver {
   std::uint32_t resolve_label(const syntax::Name& name);
   void resolve_kind(const syntax::Statement& from, Statement& to);
   void resolve_wait(const syntax::Statement& from, Statement& to);
+  // The number of `matched` or `matched(2)`.
+  std::uint32_t count_of_matched(const syntax::Event& matched) const;
   void resolve_wait_for_server(const syntax::Statement& from, Statement& to);
   void resolve_offer(const syntax::Statement& from, Statement& to);
   void resolve_kill(const syntax::Statement& from, Statement& to);

@@ -351,6 +351,29 @@ void read_writers(const References& references, const TreeNode& writers, Topic& 
   for (const TreeNode& one : writers.children) add(one);
 }
 
+// Whether its ends meet some time after the start, and what they get then of what was written.
+void read_discovery(const Declarations& file, const TreeNode& entry, Topic& topic) {
+  const TreeNode* const discovery = entry.find("discovery");
+  topic.meets = discovery != nullptr && discovery->is("any");
+  const TreeNode* const durability = entry.find("durability");
+  if (durability != nullptr && !topic.meets) {
+    file.tree().fail(
+        "'durability' says what comes to who meets the writer later: write it "
+        "beside 'discovery: any'",
+        *durability);
+  }
+  topic.keeps_for_late = durability != nullptr && durability->is("transient_local");
+  if (!topic.meets) return;
+  for (const TreeNode* const option : options_of(entry)) {
+    if (option->name_text().ends_with("durability") && !option->is("volatile")) {
+      file.tree().fail(
+          "beside 'discovery: any' the topic says it, not 'with': "
+          "`durability: transient_local`",
+          *option);
+    }
+  }
+}
+
 // The nodes whose clock the topic is.
 std::vector<std::uint32_t> nodes_going_by(const Declarations& file, const std::string& topic) {
   std::vector<std::uint32_t> nodes;
@@ -439,6 +462,7 @@ void declare_topic(Declarations& file, const TreeNode& entry, const DeclaredArra
   read_writers(references, *entry.find("writers"), topic);
   const TreeNode* const deliver = entry.find("deliver");
   topic.delivers_one = deliver != nullptr && deliver->is("one");
+  read_discovery(file, entry, topic);
   const TreeNode* const readers_field = entry.find("readers");
   std::vector<ReaderEnd> readers;
   if (readers_field != nullptr) readers = references.readers(*readers_field, name);

@@ -178,7 +178,7 @@ class WireMaker {
         DeliveryPlace place;
         place.is_topic = true;
         place.is_in_one_process = process_of_end(file_, end) == process_of_program(reader.program);
-        const DeliveryRule rule =
+        DeliveryRule rule =
             delivery_of(models_.instances[reader.model], file_.origins[reader.model],
                         file_.deliveries.at(reader.model), place);
         if (connection.why.empty()) connection.why = rule.why;
@@ -199,11 +199,42 @@ class WireMaker {
         }
         connection.is_late = true;
         connection.loses = connection.loses || rule.wire.loses;
+        if (topic.meets) let_meet(topic, reader, end, rule);
         add_wire(reader.model, {end, {}}, rule, callers);
         note_stream(reader.model, rule, end, process_of_program(reader.program));
       }
     }
+    if (topic.meets && !connection.is_late) {
+      fail(topic, "`discovery: any` goes with messages that arrive some time later" +
+                      (connection.why.empty() ? "" : ", and here " + connection.why));
+    }
     connections_.push_back(std::move(connection));
+  }
+
+  [[noreturn]] static void fail(const Topic& topic, const std::string& what) {
+    throw ParseError("topic '" + topic.name + "': " + what, topic.position);
+  }
+
+  // The wire is to that reader; its ends meet some time after the start.
+  void let_meet(const Topic& topic, const Topic::Reader& reader, const End& from,
+                DeliveryRule& rule) const {
+    if (rule.delivery == Delivery::acknowledged || !rule.stream.empty()) {
+      fail(topic, "`discovery: any` goes with neither `delivery: acknowledged` nor `stream`");
+    }
+    if (file_.programs[reader.program].may_die || may_die(file_, from)) {
+      fail(topic, "`discovery: any` where a writer or reader may die is not built");
+    }
+    const ModelInstance& model = models_.instances[reader.model];
+    const Room room = room_of(model, letters_of(model.automaton));
+    if (std::ranges::any_of(room, [](const auto& at) { return at.has_value(); })) {
+      fail(topic, "`discovery: any` where a reader may refuse what is written is not built");
+    }
+    rule.wire.meets = true;
+    if (!topic.keeps_for_late) return;
+    if (rule.wire.keep_last == 0) {
+      fail(topic, "`durability: transient_local` needs the depth of the writer");
+    }
+    rule.wire.kept = rule.wire.loses ? 0 : rule.wire.keep_last;  // none of best effort
   }
 
   // Who gives inputs to a model, and which: names without values.

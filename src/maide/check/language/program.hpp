@@ -119,11 +119,12 @@ struct ProgramError {
 
 // Of a program whose process begins anew, or of which several programs end at once: the model that
 // says whether the process lives, and what the program is by that model's state. A dead one is at
-// no label.
+// no label, and its variables are as at first.
 struct ProgramLife {
   std::uint32_t model = 0;
   std::vector<bool> is_dead;
-  std::vector<bool> is_dead_for_good;  // it never begins anew: it has ended
+  std::vector<bool> is_dead_for_good;              // it never begins anew: it has ended
+  std::vector<std::optional<Value>> first_values;  // by variable; none: in no scope at first
 };
 
 struct Program {

@@ -140,6 +140,7 @@ struct Statement {
     give,     // `input` to `model`, then one of `arms` (none: nothing is awaited)
     wait,     // one of `arms` of `model`
     arrival,  // until all that was sent to `model` has arrived
+    matched,  // until `copies` other ends of the topic `model` are met
     loop,     // `body`
     repeat,   // `body`, `expression` times
     choice,   // `body` or `otherwise`
@@ -188,7 +189,7 @@ struct Statement {
   std::unique_ptr<Block> body, otherwise;
   const Callback* callback = nullptr;  // in whose code it stands
   std::vector<std::uint32_t> services;
-  std::uint32_t copies = 0;  // the model
+  std::uint32_t copies = 0;  // the model; of Kind::matched: how many
   std::size_t life = 0;
   syntax::Statement::Spin spin = syntax::Statement::Spin::once;
   bool goes_by_rounds = false;           // of a spin: in the order of the arms

@@ -76,6 +76,8 @@ struct Topic {
   std::set<std::string> writer_nodes;  // of them those that are nodes
   std::vector<Reader> readers;         // at least one
   bool delivers_one = false;           // a write goes to one of the models that take it
+  bool meets = false;                  // each writer and reader meet some time after the start
+  bool keeps_for_late = false;         // what is written before they meet comes then, the newest
   // The variable that says whose call has not returned, where there are several writers of which
   // some may die. Its values: `nobody`, and a word for each of `mortal`.
   std::optional<std::uint32_t> caller;

@@ -91,6 +91,16 @@ std::vector<ModelStep> holder_steps(StateId at, HolderStep step, std::size_t use
   return {};
 }
 
+bool holds_mutex(StateId at, std::size_t users, std::size_t user) {
+  StateId held = at;
+  if (at >= before_no(1, users)) {
+    held = at - before_no(1, users) + 1;
+  } else if (at >= before_yes(1, users)) {
+    held = at - before_yes(1, users) + 1;
+  }
+  return held_by(user, 1) <= held && held <= held_by(user, max_depth_of_lock);
+}
+
 InterfaceAutomaton make_condition(std::size_t waiters) {
   InterfaceAutomaton condition({"wait", "notify_one", "notify_all"}, {}, power_of(waiters));
   const Action one{Action::Kind::input, 1}, all{Action::Kind::input, 2};

@@ -31,6 +31,9 @@ enum class HolderStep : std::uint8_t {
 std::vector<ModelStep> holder_steps(StateId at, HolderStep step, std::size_t users,
                                     std::size_t user);
 
+// The program holds it, or does once the answer that is due has been taken.
+bool holds_mutex(StateId at, std::size_t users, std::size_t user);
+
 // A condition: `notify_one`, `notify_all`, and `wait`, which is given by waiter_steps().
 // 3^`waiters` states.
 InterfaceAutomaton make_condition(std::size_t waiters);

@@ -14,6 +14,8 @@ void WireRules::put(std::vector<std::uint32_t>& items, std::uint32_t item) const
 
 namespace {
 
+constexpr std::uint32_t not_met = ~std::uint32_t{0};
+
 // "arrives(3)" of "write(3)".
 std::string arrival_of(const std::string& letter) {
   const std::size_t values = letter.find('(');
@@ -23,7 +25,10 @@ std::string arrival_of(const std::string& letter) {
 }  // namespace
 
 WireModel::WireModel(WireRules rules, std::vector<std::string> inputs, std::uint32_t callers)
-    : GrowingModel({0}), rules_(rules), inputs_(std::move(inputs)), callers_(callers) {}
+    : GrowingModel({rules.meets ? not_met : 0}),
+      rules_(rules),
+      inputs_(std::move(inputs)),
+      callers_(callers) {}
 
 InterfaceAutomaton WireModel::start() const {
   std::vector<std::string> outputs{"lost"};
@@ -42,6 +47,7 @@ Symbol WireModel::arrives(std::uint32_t letter) const {
 std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
                                                        const Operation& operation) const {
   using Kind = Operation::Kind;
+  if (contents.front() == not_met) return before_meeting(std::move(contents), operation);
   std::uint32_t abandoned = contents.front();
   std::vector<std::uint32_t> items(contents.begin() + 1, contents.end());
   const bool is_abandoned = abandoned > 0;
@@ -103,8 +109,26 @@ std::optional<GrowingModel::Contents> WireModel::after(Contents contents,
     case Kind::holds_none:
       if (holds(items, operation.letter) != (operation.kind == Kind::holds)) return std::nullopt;
       return contents;
+    case Kind::meet: return std::nullopt;
+    case Kind::has_met: return contents;
   }
   return std::nullopt;
+}
+
+std::optional<GrowingModel::Contents> WireModel::before_meeting(Contents contents,
+                                                                const Operation& operation) const {
+  using Kind = Operation::Kind;
+  switch (operation.kind) {
+    case Kind::put:
+      if (rules_.kept == 0) return contents;
+      if (contents.size() > rules_.kept) contents.erase(contents.begin() + 1);
+      contents.push_back(operation.letter);
+      return contents;
+    case Kind::meet: contents.front() = 0; return contents;
+    case Kind::is_empty:
+    case Kind::holds_none: return contents;
+    default: return std::nullopt;
+  }
 }
 
 bool WireModel::holds(const std::vector<std::uint32_t>& items, std::uint32_t caller) const {
@@ -121,6 +145,7 @@ bool WireModel::make_all(InterfaceAutomaton& automaton, bool writer_may_die, std
     };
     const std::uint32_t letters = letter_of(0, std::max(callers_, 1U));
     for (std::uint32_t letter = 0; letter < letters; ++letter) add({Kind::put, letter});
+    add({Kind::meet, 0});
     add({Kind::lose, 0});
     if (writer_may_die) add({Kind::abandon, 0});
     if (at.size() > 1) add({Kind::arrive, at[1]});
@@ -173,6 +198,8 @@ std::string WireModel::text_of(const Operation& operation) const {
     case Kind::is_full: return "is full";
     case Kind::is_empty: return "nothing is on its way";
     case Kind::is_used: return "something is on its way";
+    case Kind::meet: return "its ends meet";
+    case Kind::has_met: return "its ends have met";
   }
   return "";
 }

@@ -4,6 +4,9 @@
 // A writer that keeps its last p messages may lose an older one that is still on its way: when its
 // turn comes, it arrives or it is lost. A wire holds at most 10 messages, or p where that is more.
 // What is put on it then pushes out the oldest, or waits where the writer keeps all.
+//
+// Where the two ends meet some time after the start, what is put before is lost, but for the newest
+// that the writer keeps for who comes later: these are on the wire once they meet.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +22,8 @@ namespace maide {
 struct WireRules {
   std::uint32_t keep_last = 0;  // messages that the writer keeps; 0: all, so that none is lost
   bool loses = false;           // any message may be lost
+  bool meets = false;           // its ends meet some time after the start
+  std::uint32_t kept = 0;       // messages for who comes later; of a wire whose ends meet
 
   static constexpr std::uint32_t least_room = 10;  // messages
   std::size_t room() const { return keep_last > least_room ? keep_last : least_room; }
@@ -53,6 +58,8 @@ class WireModel : public GrowingModel {
       is_used,     // a condition: something is on its way
       holds,       // a condition: a message of the caller that is the letter
       holds_none,  // a condition: none of its
+      meet,        // its ends, which had not met
+      has_met,     // a condition
     };
     Kind kind = Kind::put;
     std::uint32_t letter = 0;
@@ -79,6 +86,8 @@ class WireModel : public GrowingModel {
   bool make_all(InterfaceAutomaton& automaton, bool writer_may_die, std::size_t most);
   ModelUse use(ModelActions& actions, std::uint32_t model, const Operation& operation);
 
+  bool meets() const { return rules_.meets; }
+
   static constexpr Symbol lost = 0;
   Symbol arrives(std::uint32_t letter) const;
 
@@ -86,8 +95,9 @@ class WireModel : public GrowingModel {
   std::vector<Follower> followers(const Contents&) const override { return {}; }
   bool is_due(const Contents&) const override { return false; }
   // Behind the operation; none where it is not possible. Contents: how many of the letters are of a
-  // writer that has died, and the letters, oldest first.
+  // writer that has died, or `not_met`; and the letters, oldest first, or those kept.
   std::optional<Contents> after(Contents contents, const Operation& operation) const;
+  std::optional<Contents> before_meeting(Contents contents, const Operation& operation) const;
   std::string text_of(const Operation& operation) const;
   const std::string& input_of(std::uint32_t letter) const {
     return inputs_[letter % inputs_.size()];

@@ -300,10 +300,10 @@ bool is_true(const Expression& expression, const System& system, const GlobalSta
              if (leaf.op == Expression::Operator::shared) {
                return system.models[index].type.at(state.models[index]);
              }
-             // Those of the dead are as in the beginning.
-             const ControlState at =
-                 is_dead(system, state, leaf.owner) ? 0 : state.programs[leaf.owner];
-             const auto value = system.programs[leaf.owner].value_of(at, index);
+             const Program& owner = system.programs[leaf.owner];
+             const auto value = is_dead(system, state, leaf.owner)
+                                    ? owner.life->first_values[index]
+                                    : owner.value_of(state.programs[leaf.owner], index);
              if (!value) throw OutOfScope{};
              return *value;
            }) != 0;

@@ -147,6 +147,7 @@ struct TopicInstance {
   std::vector<std::uint32_t> writers;     // programs
   std::vector<Reader> readers;            // at least one
   bool delivers_one = false;              // a write goes to one of the models that take it
+  bool meets = false;                     // its ends meet some time after the start
 };
 
 // A service of the file: programs and nodes, as the file names them.

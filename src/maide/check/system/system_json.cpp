@@ -205,7 +205,7 @@ MAIDE_JSON_MEMBERS(Program::Round, outer, line, column, number, count)
 MAIDE_JSON_MEMBERS(Program::CallbackLines, name, first, last)
 MAIDE_JSON_MEMBERS(Program::Guard, text, line, column, variables)
 MAIDE_JSON_MEMBERS(Program::Select, state, guards)
-MAIDE_JSON_MEMBERS(ProgramLife, model, is_dead, is_dead_for_good)
+MAIDE_JSON_MEMBERS(ProgramLife, model, is_dead, is_dead_for_good, first_values)
 MAIDE_JSON_MEMBERS(Program, name, flags, nodes, execution, life, callbacks, position, last_line,
                    states, edges, labels, label_sets, rounds, unreachable, combined, fair_groups,
                    variables, valuations, errors, selects, guard_lists, origins, names, spins_until)
@@ -229,7 +229,7 @@ MAIDE_JSON_MEMBERS(ModelInstance, name, automaton, actions, source, type, is_gro
                    awaits_anybody, is_learned, position)
 MAIDE_JSON_MEMBERS(NobodysAction, what, counts_for_deadlock, is_shown, lost, position, origin)
 MAIDE_JSON_MEMBERS(TopicInstance::Reader, program, model, callback, collected)
-MAIDE_JSON_MEMBERS(TopicInstance, name, writer_names, writers, readers, delivers_one)
+MAIDE_JSON_MEMBERS(TopicInstance, name, writer_names, writers, readers, delivers_one, meets)
 MAIDE_JSON_MEMBERS(ServiceInstance, name, server, clients, model)
 MAIDE_JSON_MEMBERS(ConnectionInstance, name, is_late, loses, why)
 MAIDE_JSON_MEMBERS(ExecutorInstance, name, threads, goes_by_rounds)

@@ -66,6 +66,10 @@ constexpr Key keys[] = {
      "whether messages may be lost on their way", word},
     {"topics/*/stream", "", "", "`mqtt` of MQTT",
      "what is late comes in one order with what says the same", text},
+    {"topics/*/discovery", "", "done|any", "done",
+     "whether ends know each other at the start, or meet at any time", word},
+    {"topics/*/durability", "", "volatile|transient_local", "volatile",
+     "where ends meet: whether the newest that was written before comes then", word},
     {"topics/*/deliver", "", "one|all", "all", "whether one reader gets a message, or all do",
      word},
 

@@ -68,12 +68,11 @@ Uses LockSteps::end_run() {
     const auto own = std::ranges::find(holders, number_);
     if (own == holders.end()) continue;
     const auto place = static_cast<std::size_t>(own - holders.begin());
-    uses.push_back(actions_.action(
-        mutex, "user " + std::to_string(place + 1) + " ends a run",
-        ModelActions::StepsOfState([place, count = holders.size()](StateId at) {
-          const bool keeps_it = holder_steps(at, HolderStep::is_not_holder, count, place).empty();
-          return std::vector<ModelStep>{{at, keeps_it}};
-        })));
+    uses.push_back(
+        actions_.action(mutex, "user " + std::to_string(place + 1) + " ends a run",
+                        ModelActions::StepsOfState([place, count = holders.size()](StateId at) {
+                          return std::vector<ModelStep>{{at, holds_mutex(at, count, place)}};
+                        })));
   }
   return uses;
 }

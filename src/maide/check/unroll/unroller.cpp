@@ -1,8 +1,12 @@
 #include "maide/check/unroll/unroller.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "maide/check/rules/thread_models.hpp"
 #include "maide/check/unroll/death_steps.hpp"
@@ -83,6 +87,7 @@ void Unroller::expand(const Place& place, const Statement& statement) {
     case Kind::refused_spin: expand_refused_spin(statement); break;
     case Kind::end_callback: expand_end(place, statement, values); break;
     case Kind::arrival: expand_arrival(place, statement, values); break;
+    case Kind::matched: expand_matched(place, statement, values); break;
     case Kind::withdraw: expand_withdraw(place, statement, values); break;
     case Kind::run: expand_run(place, statement, values); break;
     case Kind::relock: expand_relock(place, statement, values); break;
@@ -495,6 +500,74 @@ void Unroller::expand_arrival(const Place& place, const Statement& statement,
   Uses uses = when_all_arrived(own_wires(statement.model, statement.callback, values), actions_);
   add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
                statement.column);
+}
+
+void Unroller::expand_matched(const Place& place, const Statement& statement,
+                              const Values& values) {
+  const Topic& topic = names_.topics[element(statement.model.leaf, values)];
+  const Others others = others_at(topic, statement);
+  if (others.count() < statement.copies) {
+    throw ParseError(fmt::format("{} has {} other end{} here", topic.name, others.count(),
+                                 others.count() == 1 ? "" : "s"),
+                     at(statement.line, statement.column));
+  }
+  const std::string text = topic.name + " -> matched" +
+                           (statement.copies == 1 ? "" : fmt::format("({})", statement.copies));
+  const ControlState target = settle(behind(place.frame), values);
+  const std::size_t missing =
+      statement.copies - std::min<std::size_t>(statement.copies, others.met);
+  // Each choice of so many of those that are to be met is an edge.
+  std::vector<bool> is_chosen(others.wires.size());
+  std::fill_n(is_chosen.begin(), missing, true);
+  std::size_t edges = 0;
+  do {
+    if (++edges > max_outcomes) {
+      throw ParseError("there are too many ways to be " + text,
+                       at(statement.line, statement.column));
+    }
+    Uses uses;
+    for (std::size_t i = 0; i < is_chosen.size(); ++i) {
+      if (!is_chosen[i]) continue;
+      uses.push_back(maide::use(*others.wires[i], actions_, WireModel::Operation::Kind::has_met));
+    }
+    add_combined({CombinedStep::Role::step, std::move(uses), {}, text, 0}, target, statement.line,
+                 statement.column);
+  } while (std::prev_permutation(is_chosen.begin(), is_chosen.end()));
+}
+
+Unroller::Others Unroller::others_at(const Topic& topic, const Statement& statement) const {
+  const std::string& node = node_of(statement.callback);
+  Others others;
+  const auto add = [&](const Wire* wire) {
+    if (wire != nullptr && wire->rules->meets()) {
+      others.wires.push_back(wire);
+    } else {
+      ++others.met;
+    }
+  };
+  if (topic.has_end(number_, true, node)) {
+    const std::string name = topic.name + "[" + statement.model.reader + "]";
+    for (const Topic::Reader& reader : topic.readers) {
+      const std::string& its = actions_.model(reader.model).name;
+      if (!statement.model.reader.empty() && its != name && !is_reader_of(its, name)) continue;
+      add(names_.wire_of(reader.model, node, number_));
+    }
+    return others;
+  }
+  std::size_t ends = 0;
+  for (const Topic::Reader& reader : topic.readers) {
+    const bool is_own = node.empty() ? reader.program == number_ && reader.callback.empty()
+                                     : reader.callback.starts_with(node + ".");
+    if (!is_own) continue;
+    ends += topic.writer_names.size();
+    const auto wires = names_.wires.find(reader.model);
+    if (wires == names_.wires.end()) continue;
+    for (const Wire& wire : wires->second) {
+      if (wire.rules->meets()) others.wires.push_back(&wire);
+    }
+  }
+  others.met = ends - std::min(ends, others.wires.size());
+  return others;
 }
 
 void Unroller::expand_end(const Place& place, const Statement& statement, const Values& values) {

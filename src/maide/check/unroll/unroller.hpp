@@ -4,6 +4,7 @@
 // those of an executor's look LookSteps', those of code that spins SpinSteps'.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -65,6 +66,15 @@ class Unroller : public SpinSteps {
   void expand_call(const Place& place, const Statement& statement, const Values& values);
   void expand_arrival(const Place& place, const Statement& statement, const Values& values);
   void expand_end(const Place& place, const Statement& statement, const Values& values);
+  // The other ends of a topic, for code at one of its ends: those that are met from the beginning,
+  // and wires whose ends meet.
+  struct Others {
+    std::size_t met = 0;
+    std::vector<const Wire*> wires;
+    std::size_t count() const { return met + wires.size(); }
+  };
+  Others others_at(const Topic& topic, const Statement& statement) const;
+  void expand_matched(const Place& place, const Statement& statement, const Values& values);
   void expand_withdraw(const Place& place, const Statement& statement, const Values& values);
   void expand_run(const Place& place, const Statement& statement, const Values& values);
   void expand_relock(const Place& place, const Statement& statement, const Values& values);

@@ -34,6 +34,7 @@ bool steps(const Statement& statement) {
     case Kind::give:
     case Kind::wait:
     case Kind::arrival:
+    case Kind::matched:
     case Kind::choice:
     case Kind::choose:
     case Kind::select:

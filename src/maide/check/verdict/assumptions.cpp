@@ -347,10 +347,21 @@ class AssumptionList {
     }
     state_presence();
     state_open_ends();
-    if (system_.callbacks.empty() || (system_.topics.empty() && system_.services.empty())) return;
-    lines_.emplace_back(
-        "nodes begin when all ends know each other: what is lost before, at the start, is not "
-        "looked at");
+    std::vector<std::string> meeting;
+    for (const TopicInstance& topic : system_.topics) {
+      if (topic.meets) meeting.push_back(topic.name);
+    }
+    if (!meeting.empty()) {
+      lines_.push_back(fmt::format(
+          "{}: each writer and reader meet some time after the start, on fair runs surely",
+          some_of(meeting)));
+    }
+    const std::size_t others = system_.topics.size() - meeting.size() + system_.services.size();
+    if (system_.callbacks.empty() || others == 0) return;
+    lines_.push_back(
+        fmt::format("nodes begin when all {}ends know each other: what is lost before, at the "
+                    "start, is not looked at (`discovery: any` at a topic does)",
+                    meeting.empty() ? "" : "other "));
   }
 
   // What is said of whom the file does not know.

@@ -166,6 +166,12 @@ class PartChecker {
       const ModelInstance& model = system_.models[use.model];
       if (model.when_unexplored != WhenUnexplored::stop) continue;
       if (find_unknown_code(model.automaton)) return describe_bound(model);
+      if (model.automaton.origin.contains("recursive")) {
+        return fmt::format(
+            "a callback of {} keeps {} over its end at line {}, and which thread "
+            "runs the next one is not known",
+            actor_name(system_, step.actor), model.name, place_of(system_, step).line);
+      }
       return fmt::format("{}; {}'s {} at line {} goes beyond", describe_bound(model),
                          actor_name(system_, step.actor), describe_action(system_, step),
                          place_of(system_, step).line);
