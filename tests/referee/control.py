@@ -62,7 +62,7 @@ class Node:
             return found
         if self.kind in ("wake", "spin", "misspin") and self.late is not None:
             return [self.next, self.late]
-        return [] if self.kind in ("end", "finish", "unknown") else [self.next]
+        return [] if self.kind in ("end", "finish", "unknown", "quit") else [self.next]
 
 
 @dataclass
@@ -114,7 +114,7 @@ class Compiler:
         self.file = file
         self.models: set[tuple[str, tuple]] = set()
         self.nodes: list[Node] = []
-        self.pools: set[int] = set()  # the threads that it asks or waits for
+        self.pools: set[int] = set()  # the threads that it asks or waits for, whom it kills
         self.code: Any = None  # of a node, where it is no program
 
     def compile(self, body: list[Statement], scope: Scope, outside: tuple[Variable, ...]) -> Node:
@@ -623,6 +623,21 @@ class Compiler:
 
     def compile_unknown(self, statement: Statement, frame: Frame, after: Node) -> Node:
         return Node("unknown", frame, statement.place)
+
+    def compile_kill(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        name, indices = statement.target
+        index = tuple(frame.scope.constant(i) for i in indices)
+        process = self.system.process_named(name, index)
+        self.pools.add(process.use)
+        restarts = statement.kind == "restart"
+        fields = {"process": process, "restarts": restarts, "next": after}
+        return Node("kill", frame, statement.place, **fields)
+
+    compile_restart = compile_kill
+
+    def compile_quit(self, statement: Statement, frame: Frame, after: Node) -> Node:
+        process = self.system.process_at(self.program)
+        return Node("quit", frame, statement.place, process=process)
 
     def compile_spin(self, statement: Statement, frame: Frame, after: Node) -> Node:
         if self.code is None:

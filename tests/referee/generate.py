@@ -13,7 +13,7 @@ import re
 from pathlib import Path
 
 from random_models import Known, Place
-from random_spins import SpinMaker
+from random_lives import LifeMaker
 
 KINDS = [
     "section5", "variables", "shared", "select", "arrays", "error", "values", "topics",
@@ -22,13 +22,13 @@ KINDS = [
 
 
 # Kinds of what Maide does not know yet: the comparison makes them where it is asked to.
-AHEAD = ["presence", "calls", "locks", "spins"]
+AHEAD = ["presence", "calls", "locks", "spins", "lives"]
 
 # What else a system of the kind `wires` may be, for the rest of them.
 WIRED = ["topics", "services", "nodes", "nodes", "death", "builtins"]
 
 
-class Generator(SpinMaker):
+class Generator(LifeMaker):
     """Makes one system."""
 
     # --- properties
@@ -44,6 +44,8 @@ class Generator(SpinMaker):
         if depth == 0 or self.chance(0.1):
             return self.atom()
         op = self.rng.choice(["F", "G", "X", "!", "&&", "||", "->", "U", "R", "W", "G F", "F G"])
+        if self.kind == "lives" and op == "X":  # which one step there is in several programs
+            op = "G"
         if op in ("F", "G", "X", "!", "G F", "F G"):
             return f"{op} ({self.formula(depth - 1)})"
         return f"(({self.formula(depth - 1)}) {op} ({self.formula(depth - 1)}))"
@@ -282,7 +284,7 @@ def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
     text = ""
     while not text or is_wired and awaits_null_in_vain(text):
         generator = Generator(rng, kind, own)
-        generator.is_wired = is_wired or kind in ("presence", "spins") and rng.random() < 0.2
+        generator.is_wired = is_wired or kind in ("presence", "spins", "lives") and rng.random() < 0.2
         if kind == "presence":
             text = generator.presence_system()
         elif kind == "calls":
@@ -291,6 +293,8 @@ def generate(kind: str, seed: int, number: int, folder: Path) -> Path:
             text = generator.lock_system()
         elif kind == "spins":
             text = generator.spin_system()
+        elif kind == "lives":
+            text = generator.life_system()
         else:
             text = generator.race_system() if kind == "wires" else generator.system()
     path = own / "system.yaml"

@@ -75,6 +75,11 @@ class Component:
             for k, use in enumerate(system.uses)
             if hasattr(use, "gone") and any(k in system.models_of[n] for n in numbers)
         ]
+        self.processes = [
+            process
+            for process in system.processes
+            if process.is_mortal and any(process.use in system.models_of[n] for n in numbers)
+        ]
         self.spinners = [at for at, one in enumerate(self.programs) if hasattr(one, "followed")]
         self.streams = [(k, use) for k, use in enumerate(system.uses) if hasattr(use, "noted")]
         self.calls = any(use.acknowledges(n) for _, use in self.on_wires for n in numbers)
@@ -121,7 +126,8 @@ class Component:
                     place = self.numbers.index(other)
                     controls = controls[:place] + (control,) + controls[place + 1 :]
                 step.carries = self.carried(step.world)
-                target = self.number(*self.followed(controls, step.world, at is None))
+                is_arrival = isinstance(step.program, tuple) and step.program[0] == "wire"
+                target = self.number(*self.followed(controls, step.world, is_arrival))
                 mark = (step.program, step.label, target)
                 if mark not in seen:
                     state.edges.append(Edge(target, step))
@@ -129,11 +135,19 @@ class Component:
             seen.add(mark)
 
     def steps(self, state: State) -> Iterator[tuple[int | None, Step]]:
-        """All steps, with the place of the program that moves; None: a message arrives, or the
-        death of a server is found out."""
+        """All steps, with the place of the program that moves; None: a message arrives, a process
+        dies or begins anew, or the death of a server is found out."""
         for at, program in enumerate(self.programs):
             for step in program.steps(state.controls[at], state.world):
-                yield at, step
+                if step.death_of is None:
+                    yield at, step
+                    continue
+                process = step.death_of[0]
+                for one in process.in_step(self.numbers, state.controls, at, step):
+                    yield at, one
+        for process in self.processes:
+            for step in process.steps(self.numbers, state.controls, state.world):
+                yield None, step
         models, shared = state.world
         for k, use in self.services:
             after = use.gone(models[k])

@@ -31,7 +31,7 @@ KEYWORDS = set(
 
 
 # Statements of one word and a name; elsewhere these words are names.
-NAMING = {"offer", "withdraw", "run", "join"}
+NAMING = {"offer", "withdraw", "run", "join", "kill", "restart"}
 
 
 def tokenize(text):
@@ -207,6 +207,9 @@ class Parser:
         if self.sees("unknown") and self.sees(";", ahead=1):
             self.at += 2
             return Statement("unknown", place)
+        if self.sees("end") and self.sees(";", ahead=1):
+            self.at += 2
+            return Statement("quit", place)
         if self.sees("spin") and (self.sees(";", ahead=1) or self.peek(1)[0] == "name"):
             self.at += 1
             return self.parse_spin(place)

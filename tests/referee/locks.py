@@ -18,7 +18,7 @@ from language import Refused
 from models import Action
 
 MOST_LOCKS = 8
-ANYBODY = "anybody"
+ANYBODY, DEAD = "anybody", "dead"
 FREE = (None, 0, None)
 
 
@@ -121,7 +121,9 @@ class Mutex:
         return state[2] is None
 
     def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
-        """What a dead program holds stays held."""
+        """What a dead program holds stays held, also when it begins anew."""
+        if self.threads is not None and state[0] in {self.threads[p] for p in programs}:
+            state = (DEAD, *state[1:])
         return [state], False
 
     # --- for a condition

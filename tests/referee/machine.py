@@ -7,7 +7,6 @@ write), or ("error", place, sentence) for a program that made a mistake.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,13 +41,7 @@ class Step:
     cut: bool = False
     death: bool = False
     carries: tuple = ()  # who spins, and leaves its statement where a callback ends
-
-
-def after_death(system: Any, world: World, programs: frozenset[int]) -> tuple[list[tuple], bool]:
-    """(the states of all models after these programs died, whether the run is cut there)."""
-    ways = [use.died(state, programs) for use, state in zip(system.uses, world[0])]
-    states = itertools.product(*(states for states, _ in ways))
-    return list(states), any(cut for _, cut in ways)
+    death_of: Any = None  # (a process, how), where it dies in this step
 
 
 class Program:
@@ -57,7 +50,7 @@ class Program:
     first_of_callback = False  # whether it is the first copy of a callback
 
     def __init__(
-        self, system: Any, number: int, name: str, nodes: list[Node], first: Node, may_die: bool
+        self, system: Any, number: int, name: str, nodes: list[Node], first: Node
     ) -> None:
         self.system = system
         self.number = number
@@ -65,7 +58,6 @@ class Program:
         self.part: str | None = name  # of a node: what the file calls this code
         self.nodes = nodes
         self.first = first
-        self.may_die = may_die
         self.end = next(node for node in nodes if node.kind in ("end", "finish"))
         self.labels = {node.label for node in nodes if node.kind == "label"}
         self.can_err = True
@@ -189,25 +181,16 @@ class Program:
             return []
         values = self.values_at(node, control, world)
         if control[3] == CALLING:
-            found = self.returned(control, world)
-        else:
-            found = getattr(self, "steps_" + node.kind)(node, control, values, world)
-        if self.may_die:
-            found = found + self.deaths(values, world)
-        return found
+            return self.returned(control, world)
+        return getattr(self, "steps_" + node.kind)(node, control, values, world)
 
-    def deaths(self, values: dict, world: World) -> list[Step]:
-        """The steps in which the program dies."""
-        kept = tuple(values.get(v) for v in self.end.scope)
-        after = (self.end.number, frozenset(), kept, None)
-        models_after, cut = after_death(self.system, world, frozenset([self.number]))
-        found = [
-            Step(self.number, ("dies",), after, (models, world[1]), death=True)
-            for models in models_after
-        ]
-        if cut:
-            found.append(Step(self.number, ("dies",), cut=True, death=True))
-        return found
+    def dead(self, control: Control, world: World) -> Control:
+        """The control state after its process died: it stands at its end, with its variables of
+        the file as at first."""
+        is_failed = is_error(control)  # behind its own `kill`, which it does not come to
+        values = {} if is_failed else self.values_at(self.nodes[control[0]], control, world)
+        values |= {v: v.initial for v in self.system.variables if v.users == {self.number}}
+        return (self.end.number, frozenset(), tuple(values.get(v) for v in self.end.scope), None)
 
     def step(
         self, label: tuple, node: Node, values: dict, world: World, kept: Any = None, **more: Any
@@ -420,6 +403,21 @@ class Program:
     def steps_misspin(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         why = "the node has been added to an executor already"
         return [self.mistake(("spin",), node.place, why, world)]
+
+    def steps_kill(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        process = node.process
+        label = (process.use, "restart" if node.restarts else "kill")
+        life = world[0][process.use]
+        if not life.is_dead:
+            step = self.step(label, node.next, values, world)
+            step.death_of = (process, "restarted" if node.restarts else "killed")
+            return [step]
+        if node.restarts:
+            world = self.with_model(world, process.use, life._replace(is_wanted=True))
+        return [self.step(label, node.next, values, world)]
+
+    def steps_quit(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        return [Step(self.number, ("quit",), control, world, death_of=(node.process, "quit"))]
 
     def steps_unknown(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
         return self.cuts(("unknown",), True)

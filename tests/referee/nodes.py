@@ -117,8 +117,8 @@ class Pool:
         return busy[:copy] + (is_busy,) + busy[copy + 1 :]
 
     def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
-        """No death changes it."""
-        return [state], False
+        """The state after these died: no copy runs any more."""
+        return [(False,) * self.count if self.text.numbers[0] in programs else state], False
 
 
 class Executor:
@@ -134,25 +134,35 @@ class Executor:
         self.rounds = rounds
         self.process: str | None = None
         self.may_die = False
+        self.may_restart: Any = None
         self.callbacks: list[CallbackText] = []  # in the order of a round
         self.main: str | None = None  # the code in place of the endless loop
         self.starts: list[int] = []  # the programs of start code in their order, then of `main:`
         self.use = -1  # its number among the models
+        self.nodes: list[NodeText] = []
+        self.is_of_file = False  # else it is one node's
+
+    def numbers(self) -> frozenset[int]:
+        """All programs that stand for its nodes."""
+        return frozenset().union(*(node.numbers() for node in self.nodes))
 
     @property
     def initial(self) -> Turn:
         """No callback runs, and nothing was looked at."""
         return Turn(tuple(self.starts[:1]), (), NOBODY if self.starts else USUAL)
 
-    def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
-        """No death changes it."""
-        return [state], False
+    def died(self, state: Turn, programs: frozenset[int]) -> tuple[list, bool]:
+        """The state after these died: no turn comes any more. Where `main:` runs it cannot be told
+        from one that ended."""
+        if not self.numbers() & programs:
+            return [state], False
+        return [Turn((), (), ENDED) if self.main is not None else Turn(DEAD, (), NOBODY)], False
 
 
 def executor_of(name: str, description: dict, number: Any) -> Executor:
     """The executor that an entry of the file describes."""
     kind = description.get("kind", "single")
-    keys = {"kind", "threads", "order", "process", "may_die", "main"}
+    keys = {"kind", "threads", "order", "process", "may_die", "may_restart", "main"}
     if not set(description) <= keys or kind not in ("single", "multi"):
         raise Refused(f"executor {name}: {description}")
     order = description.get("order", "any")
@@ -164,13 +174,13 @@ def executor_of(name: str, description: dict, number: Any) -> Executor:
     if threads < 1:
         raise Refused(f"executor {name}: {threads} threads")
     executor = Executor(name, threads, order == "rounds")
+    executor.is_of_file = True
     executor.process = description.get("process")
     executor.may_die = description.get("may_die", False)
+    executor.may_restart = description.get("may_restart")
     executor.main = description.get("main")
     if executor.main is not None and threads > 1:
         raise Refused(f"executor {name}: 'main' stands at one of one thread")
-    if executor.may_die and kind == "multi":
-        raise Refused(f"executor {name}: only one of one thread may die")
     return executor
 
 
@@ -283,7 +293,7 @@ class NodeProgram(Program):
     def __init__(
         self, system: Any, number: int, text: CallbackText, nodes: list[Node], first: Node
     ) -> None:
-        super().__init__(system, number, text.node.full_name, nodes, first, False)
+        super().__init__(system, number, text.node.full_name, nodes, first)
         self.text = text
         self.part = text.full_name()
         self.executor = text.node.executor
@@ -329,6 +339,10 @@ class NodeProgram(Program):
     def start(self) -> Control:
         """It stands at its start."""
         return (self.first.number, frozenset(), (None,) * len(self.first.scope), None)
+
+    def dead(self, control: Control, world: World) -> Control:
+        """The control state after its process died."""
+        return self.start()
 
     def rests(self, control: Control) -> bool:
         """Whether a copy that has started may stand here for ever."""

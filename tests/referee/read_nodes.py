@@ -85,18 +85,18 @@ def read_nodes(system: Any) -> list[NodeText]:
                 node.start = start_of(node, description["start"])
             for own, text in (description.get("threads") or {}).items():
                 number = lambda value, scope=scope: system.number(value, scope)  # noqa: E731
-                if executor.may_die:
-                    raise Refused(f"node {header}: threads, and an executor that may die")
                 node.pools.append(pool_of(node, own, text, number))
-            if executor.main is not None and all(n.executor is not executor for n in found):
+            executor.nodes.append(node)
+            if executor.main is not None and len(executor.nodes) == 1:
                 node.main = start_of(node, executor.main, "main")
             names = [code.name for code in node.codes()]
             if len(set(names)) < len(names):
                 raise Refused(f"node {header}: two codes of one name")
             found.append(node)
             system.node_of[(name, index)] = (node, description, groups)
+    system.executors = list(dict.fromkeys([*executors.values(), *(n.executor for n in found)]))
     for executor in executors.values():
-        if executor.main is not None and all(node.executor is not executor for node in found):
+        if executor.main is not None and not executor.nodes:
             raise Refused(f"executor {executor.name}: 'main', and no nodes")
     return found
 

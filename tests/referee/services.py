@@ -11,8 +11,8 @@ A Service answers what a program may do with it, as in use.py. Its state has
               dies, until a step that comes on fair runs, where the file asks for it
     asked     of each client that is a program its open requests
 
-A request is (number of the client, who asked). An answer in a client's queue is STRANGER or who
-asked. Where that is a program, this is the number of the request, or NOBODY if the program gave it
+A request is (number of the client, who asked). An answer in a client's queue is STRANGER, that to
+requests of the client's life before, too, or who asked. Where that is a program, this is the number of the request, or NOBODY if the program gave it
 up; in a node the copy of a callback whose run made the request, if it was the last one of that run
 and the run goes on, or else NOBODY.
 
@@ -169,9 +169,7 @@ class Service:
         """The state with another queue of one client, without the answers in its front that are
         strangers', or to requests that a program gave up: they are thrown away before anything is
         taken, and push nothing out."""
-        clients = state.clients
-        client = (self.what_counts(i, answers), stands)
-        return state._replace(clients=clients[:i] + (client,) + clients[i + 1 :])
+        return self.with_clients(state, i, (self.what_counts(i, answers), stands))
 
     def what_counts(self, i: int, answers: tuple) -> tuple:
         """The part of a client's queue that makes a difference. An executor with rounds looks
@@ -412,9 +410,8 @@ class Service:
     def died(self, state: Rest, programs: frozenset[int]) -> tuple[list, bool]:
         """The states after programs died."""
         for i in self.clients_among(programs):
-            state = self.renamed(state, i, dict.fromkeys(self.names(state, i), NOBODY))
-            clients = state.clients[:i] + (None,) + state.clients[i + 1 :]
-            state = self.with_asked(state._replace(clients=clients), i, Asked())
+            state = self.renamed(state, i, dict.fromkeys(self.names(state, i), STRANGER))
+            state = self.with_asked(self.with_clients(state, i, None), i, Asked())
         if programs & self.server:
             state = state._replace(
                 requests=None,
@@ -423,6 +420,24 @@ class Service:
                 there=state.there and self.is_watched,
             )
         return [state], False
+
+    def reborn(self, state: Rest, programs: frozenset[int], is_there: bool) -> Rest:
+        """The state after programs that had died began anew; `is_there` as in the beginning."""
+        for i in self.clients_among(programs):
+            at_first = ((), frozenset() if self.clients[i].is_node else FREE)
+            state = self.with_clients(state, i, at_first)
+        if programs & self.server:
+            state = state._replace(requests=(), there=is_there)
+        return state
+
+    @staticmethod
+    def with_clients(state: Rest, i: int, client: tuple | None) -> Rest:
+        """The state with something else of one client."""
+        return state._replace(clients=state.clients[:i] + (client,) + state.clients[i + 1 :])
+
+    def away(self, state: Rest) -> Rest:
+        """The state after it was found out that the server is gone."""
+        return state._replace(there=False)
 
     def gone(self, state: Rest) -> Rest | None:
         """The state after it was found out that the server died; None if there is nothing to find

@@ -2,7 +2,7 @@
 
 A wire lies between each client and the server (the first half of `wires`, box 0), and between the
 server and each client (the second half). The state is (the state of the service as in services.py,
-what is on the wires, the dead whose messages are on their way, the wires that a stream must note).
+what is on the wires, how many of that are of somebody who died, the wires that a stream must note).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Calls(NamedTuple):
 
     rest: Rest
     lines: tuple
-    dead: frozenset = frozenset()
+    old: tuple
     journal: tuple = ()
 
 
@@ -46,7 +46,7 @@ class ServiceOnWires(Line, Service):
         Service.__init__(self, *arguments)
         self.rest = Service(*arguments)
         self.wires = wires
-        self.initial: Any = Calls(self.rest.initial, ((),) * len(wires))
+        self.initial: Any = Calls(self.rest.initial, ((),) * len(wires), (0,) * len(wires))
 
     def to_server(self, i: int) -> int:
         """The wire of a client's requests."""
@@ -75,7 +75,7 @@ class ServiceOnWires(Line, Service):
         """The state after it was withdrawn: requests on their way are lost, too."""
         for i in range(len(self.clients)):
             state = self.with_line(state, self.to_server(i), ())
-        return self.without_dead(state._replace(rest=self.rest.withdrawn(state.rest)))
+        return state._replace(rest=self.rest.withdrawn(state.rest))
 
     # --- what programs do
 
@@ -193,13 +193,21 @@ class ServiceOnWires(Line, Service):
         if programs & self.server:
             for i in range(len(self.clients)):
                 state = self.with_line(state, self.to_server(i), ())
-            state = state._replace(dead=state.dead | {SERVER})
+            for k in range(len(self.clients), len(self.wires)):
+                state = self.with_line(state, k, tuple((who, None) for who, _ in state.lines[k]))
+            state = self.left_by(state, SERVER)
         for i in self.clients_among(programs):
-            requests = (((i, NOBODY),) for _ in state.lines[self.to_server(i)])
+            requests = (((i, STRANGER),) for _ in state.lines[self.to_server(i)])
             state = self.with_line(state, self.to_server(i), tuple(requests))
             state = self.with_line(state, self.to_client(i), ())
-            state = state._replace(dead=state.dead | {i})
-        return [self.without_dead(state)], cut
+            state = self.left_by(state, i)
+        return [state], cut
+
+    def reborn(self, state: Calls, programs: frozenset[int], is_there: bool) -> Calls:
+        return state._replace(rest=self.rest.reborn(state.rest, programs, is_there))
+
+    def away(self, state: Calls) -> Calls:
+        return state._replace(rest=self.rest.away(state.rest))
 
     def gone(self, state: Calls) -> Calls | None:
         rest = self.rest.gone(state.rest)
@@ -223,12 +231,12 @@ class ServiceOnWires(Line, Service):
                 if state.rest.clients[i][1] == DUE:
                     continue
                 rest = self.rest.reached(state.rest, i, line[0][0])
-            without = self.with_line(state, k, line[1:])
+            without = self.without_oldest(state, k)
             kind = "request" if is_request else "answer"
             for what, after in (("arrives", rest), ("lost", state.rest)):
                 if what == "lost" and not self.may_lose(state, k):
                     continue
-                now = self.without_dead(without._replace(rest=after))
+                now = without._replace(rest=after)
                 action = (f"{kind}_{what}", ())
                 event = (None, self.name, (i,), "!", action)
                 found.append(Arrival(k, action, now, event, what == "lost"))

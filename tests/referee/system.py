@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import yaml
 
 from control import Compiler
-from death import Death
 from deliveries import AT_ONCE, Origin, Wire, acknowledged_by_one, delivery_of, kept, loses
 from expressions import (
     Mistake,
@@ -36,6 +35,7 @@ from language import (
 from locks import Condition, Mutex
 from machine import Program
 from models import Automaton, Model, Queue, model_of
+from processes import Process, meant, processes_of
 from nodes import (
     Callback,
     CallbackText,
@@ -68,17 +68,17 @@ KEYS = {
 
 
 class Text(NamedTuple):
-    """What moves: a program; a copy of a callback; an executor that looks, or dies."""
+    """What moves: a program; a copy of a callback; an executor that looks."""
 
     name: str | None
     index: tuple
     scope: Scope
     body: list[Statement]
     may_die: bool = False
+    may_restart: Any = None
     process: str | None = None
     callback: CallbackText | None = None
     executor: Executor | None = None
-    is_death: bool = False  # of the executor
 
 
 def member_name(name: str, index: tuple) -> str:
@@ -104,7 +104,9 @@ class System:
         for name, value in (self.document.get("constants") or {}).items():
             self.add_name(name, ("value", self.number(value, self.file)))
         self.array_ranges: dict[str, list[range]] = {}
+        self.array_programs: set[str] = set()
         self.texts = self.read_programs()
+        self.executors: list[Executor] = []
         self.node_of: dict[tuple[str, tuple], tuple[NodeText, dict, dict]] = {}
         self.nodes = read_nodes(self)
         services = service_members(self)
@@ -113,6 +115,7 @@ class System:
         if not self.texts:
             raise Refused("no programs")
         self.procedures = self.read_procedures()
+        self.processes = processes_of(self)
         self.variables = self.read_variables()
         read_node_variables(self)
         self.uses: list[Instance | Topic | Service | Executor | Pool] = []
@@ -132,6 +135,9 @@ class System:
         for pool in (pool for node in self.nodes for pool in node.pools):
             pool.use = len(self.uses)
             self.uses.append(pool)
+        for process in self.processes:
+            process.use = len(self.uses)
+            self.uses.append(process)
         self.collect_words()
         self.given: set[tuple[int, str, str]] = set()
         self.expects_values: set[str] = set()
@@ -188,16 +194,19 @@ class System:
         """The programs of the file."""
         found = []
         for header, text in (self.document.get("programs") or {}).items():
-            may_die, process = False, None
+            may_die, may_restart, process = False, None, None
             if isinstance(text, dict):
-                if not set(text) <= {"may_die", "process", "do"}:
+                if not set(text) <= {"may_die", "may_restart", "process", "do"}:
                     raise Refused(f"program {header}: unknown keys")
                 may_die, process = text.get("may_die", False), text.get("process")
+                may_restart = text.get("may_restart")
                 text = text["do"]
             name, array = self.array(header)
             body = parse_program(text, f"program {name}")
             for index, scope in array:
-                found.append(Text(name, index, scope, body, may_die, process))
+                found.append(Text(name, index, scope, body, may_die, may_restart, process))
+            if array[0][0]:
+                self.array_programs.add(name)
             self.add_name(name, ("program", name))
         return found
 
@@ -210,15 +219,11 @@ class System:
             executors[node.executor] = None
             for callback in node.codes():
                 body = [statement for _, arm in callback.arms for statement in arm]
-                may_die = node.executor.may_die
-                copy = Text(None, (), callback.scope, body, may_die, callback=callback)
+                copy = Text(None, (), callback.scope, body, callback=callback)
                 self.texts += [copy] * len(callback.numbers)
         for executor in executors:
             if executor.rounds:
                 self.texts.append(Text(None, (), self.file, [], executor=executor))
-            if executor.may_die:
-                death = Text(None, (), self.file, [], executor=executor, is_death=True)
-                self.texts.append(death)
 
     def is_shared(self, variable: Variable) -> bool:
         """Whether two programs that can run at the same time use it."""
@@ -371,7 +376,7 @@ class System:
                 for actor, names in sorted(given.items()):
                     numbers = self.ends(names, scope)
                     for k, end in enumerate(numbers):
-                        if self.texts[min(end)].may_die:
+                        if self.is_mortal(min(end)):
                             others = set(given) - {actor}
                             mortal.append(end_of(model, min(end), actor, k, len(numbers), others))
                     for k, program in ((k, p) for k, end in enumerate(numbers) for p in end):
@@ -427,7 +432,7 @@ class System:
 
     def read_topics(self) -> None:
         """Reads the topics."""
-        mortal = {number for number, text in enumerate(self.texts) if text.may_die}
+        mortal = {number for number in range(len(self.texts)) if self.is_mortal(number)}
         for header, description in (self.document.get("topics") or {}).items():
             name, array = self.declare_array(header)
             for index, scope in array:
@@ -468,6 +473,25 @@ class System:
             return text.callback.node.full_name
         return member_name(text.name, text.index)
 
+    # --- processes
+
+    def process_at(self, number: int) -> Process:
+        """The process of a program, or of a node's code."""
+        return next(process for process in self.processes if number in process.members)
+
+    def process_named(self, name: str, index: tuple) -> Process:
+        """The process that a statement names."""
+        if name in self.array_programs and not index:
+            raise Refused(f"{name} is an array of programs")
+        found = meant(self, self.processes, name, index)
+        if len(found) != 1:
+            raise Refused(f"{name} is no executor, program or process")
+        return found[0]
+
+    def is_mortal(self, number: int) -> bool:
+        """Whether a program may die, or its process is killed."""
+        return any(number in one.members for one in self.processes if one.is_mortal)
+
     # --- wires
 
     def entries(self, ends: list[frozenset[int]]) -> list[frozenset[int]]:
@@ -481,11 +505,9 @@ class System:
 
     def process_of(self, programs: frozenset[int]) -> Any:
         """The process of an end."""
-        text = self.texts[min(programs)]
-        if text.callback is not None:
-            executor = text.callback.node.executor
-            return ("named", executor.process) if executor.process else executor
-        return ("named", text.process) if text.process else min(programs)
+        number = min(programs)
+        is_look = self.texts[number].executor is not None
+        return number if is_look else self.process_at(number).key
 
     def wires_of(self, description: dict, model: Model, entries: list) -> list[Wire]:
         """The wires of a model that stands by itself."""
@@ -606,7 +628,7 @@ class System:
         properties = str(self.document.get("properties") or {})
         for presence in self.presences:
             service = self.uses[presence.use]
-            presence.mortal = any(self.texts[p].may_die for p in service.server)
+            presence.mortal = any(map(self.is_mortal, service.server))
             base = re.escape(service.name.partition("[")[0])
             presence.named = bool(re.search(rf"\b{base}(\[[^\]]*\])?\.there\b", properties))
 
@@ -627,12 +649,6 @@ class System:
         found = []
         self.models_of: list[set[int]] = []
         for number, text in enumerate(self.texts):
-            if text.is_death:
-                death = Death(self, number, text.executor)
-                found.append(death)
-                standing = (k for k, use in enumerate(self.uses) if use.standing & death.dying)
-                self.models_of.append({text.executor.use, *standing})
-                continue
             if text.executor is not None:
                 found.append(Look(self, number, text.executor))
                 self.models_of.append({text.executor.use})
@@ -649,11 +665,14 @@ class System:
             outside = tuple(v for v in self.variables if v.users == {number})
             first = compiler.compile(text.body, text.scope, outside)
             full = member_name(text.name, text.index)
-            found.append(Program(self, number, full, compiler.nodes, first, text.may_die))
-            used = {self.numbers[key] for key in compiler.models}
-            if text.may_die:  # what its death changes, named in its text or not
-                used |= {k for k, use in enumerate(self.uses) if number in use.standing}
+            found.append(Program(self, number, full, compiler.nodes, first))
+            used = {self.numbers[key] for key in compiler.models} | compiler.pools
             self.models_of.append(used)
+        for process in self.processes:
+            if process.is_mortal:
+                for number in process.members:  # what its death changes, named in its text or not
+                    used = {k for k, use in enumerate(self.uses) if number in use.standing}
+                    self.models_of[number] |= used | {process.use}
         return found
 
     def used_by(self, callback: CallbackText, compiler: Compiler) -> set[int]:

@@ -455,6 +455,16 @@ class Topic:
                 mark = DISCONNECTS if self.ends[i].disconnect else THROWS_AWAY
                 state = self.with_reader(state, i, collected=None, mark=mark)
             state = (*state[:3], None)
+        return self.not_lost(state)
+
+    def reborn(self, state: tuple, programs: frozenset[int]) -> tuple:
+        """The state after programs that had died began anew: their models are as at first."""
+        for i in {self.reader_of[p] for p in programs if p in self.reader_of}:
+            state = self.with_reader(state, i, inner=self.models[i].initial)
+        return state
+
+    def not_lost(self, state: tuple) -> tuple[list, bool]:
+        """(the states after all was collected or thrown away, whether the run is cut there)."""
         found = self.settled(state)
         lost = [LOST in after[0] for after in found]
         was_lost = LOST in state[0]

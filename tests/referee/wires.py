@@ -11,7 +11,7 @@ The state of a connection is
     debts      of each box how many returns were given before the model put them out
     lines      of each wire the messages on it, the oldest first, as (input, the program whose call
                ends when it arrives, or None)
-    dead       the entries that died and still have messages on their way
+    old        of each wire how many of its messages, the oldest, are of a writer that died
     caller     the program that may die and made the last call, where there are others; then DEAD
     journal    the wires on which this step put something, where they belong to a stream
 
@@ -63,13 +63,32 @@ class Line:
         if wire.keep is not None and len(line) > wire.most():
             at = next((n for n, one in enumerate(line) if self.is_counted(one)), 0)
             line = line[:at] + line[at + 1 :]
+            state = self.with_old(state, k, state.old[k] - (at < state.old[k]))
         journal = state.journal if wire.stream is None else (*state.journal, k)
         return self.with_line(state, k, line)._replace(journal=journal)
 
     @staticmethod
     def with_line(state: Any, k: int, line: tuple) -> Any:
         """The state with something else on a wire."""
-        return state._replace(lines=state.lines[:k] + (line,) + state.lines[k + 1 :])
+        state = state._replace(lines=state.lines[:k] + (line,) + state.lines[k + 1 :])
+        return Line.with_old(state, k, min(state.old[k], len(line)))
+
+    @staticmethod
+    def with_old(state: Any, k: int, count: int) -> Any:
+        """The state with another number of messages on a wire whose writer died."""
+        return state._replace(old=state.old[:k] + (count,) + state.old[k + 1 :])
+
+    def without_oldest(self, state: Any, k: int) -> Any:
+        """The state after the oldest message left its wire."""
+        state = self.with_old(state, k, max(0, state.old[k] - 1))
+        return self.with_line(state, k, state.lines[k][1:])
+
+    def left_by(self, state: Any, entry: int) -> Any:
+        """The state after the entry died whose messages are on their way."""
+        for k, wire in enumerate(self.wires):
+            if wire.entry == entry:
+                state = self.with_old(state, k, len(state.lines[k]))
+        return state
 
     def has_room(self, state: Any, k: int) -> bool:
         """Whether a wire that loses nothing has room."""
@@ -83,14 +102,7 @@ class Line:
             return False
         newer = sum(map(self.is_counted, line[1:]))
         older = wire.keep is not None and newer >= wire.keep
-        return wire.loses or older or wire.entry in state.dead
-
-    def without_dead(self, state: Any) -> Any:
-        """The state without the dead of whom nothing is on its way."""
-        if not state.dead:
-            return state
-        still = {w.entry for w, line in zip(self.wires, state.lines) if line}
-        return state._replace(dead=state.dead & still)
+        return wire.loses or older or state.old[k] > 0
 
 
 class Way(NamedTuple):
@@ -101,7 +113,7 @@ class Way(NamedTuple):
     collected: tuple
     debts: tuple
     lines: tuple
-    dead: frozenset
+    old: tuple
     caller: Any = None
     journal: tuple = ()
 
@@ -140,7 +152,7 @@ class Boxes(Line):
             (None,) * count,
             (0,) * count,
             ((),) * len(wires),
-            frozenset(),
+            (0,) * len(wires),
         )
 
     def first_marks(self) -> tuple:
@@ -267,7 +279,7 @@ class Boxes(Line):
 
     def settled(self, state: Way) -> list[Way]:
         """The states after what is due to the dead was thrown away."""
-        return [self.without_dead(self.refreshed(state))]
+        return [self.refreshed(state)]
 
     def returns(self, state: Way) -> Action | None:
         """The output that the writers may take."""
@@ -351,7 +363,7 @@ class Boxes(Line):
             if not line:
                 continue
             i, (action, _) = self.wires[k].box, line[0]
-            rest = self.with_line(state, k, line[1:])
+            rest = self.without_oldest(state, k)
             if state.inners[i] == LOST:
                 event = self.of_nobody(i, ("arrives", action[1]))
                 found.append(Arrival(k, event[4], None, event, False))
@@ -377,14 +389,20 @@ class Boxes(Line):
             state = self.with_line(state, k, ())
         return state
 
+    def without_callers(self, state: Way, programs: frozenset[int]) -> Way:
+        """The state in which no call of these programs ends when a message arrives."""
+        for k, line in enumerate(state.lines):
+            line = tuple((action, None if by in programs else by) for action, by in line)
+            state = self.with_line(state, k, line)
+        return state
+
     def disconnected(self, state: Way, entry: int, ends: dict[int, End]) -> Way:
         """The state after a writer died: its wires remember it, and `disconnect` goes on them."""
-        state = state._replace(dead=state.dead | {entry})
         for k in self.boxes_of.get(entry, []):
             i = self.wires[k].box
             if i in ends and ends[i].disconnect is not None and state.inners[i] is not None:
                 state = self.put(state, k, ((ends[i].disconnect, ()), None))
-        return state
+        return self.left_by(state, entry)
 
 
 class TopicOnWires(Boxes, Topic):
@@ -472,7 +490,13 @@ class TopicOnWires(Boxes, Topic):
             state = state._replace(caller=DEAD if self.keeps_caller else state.caller)
         for entry in {self.entry_of[p] for p in writers}:
             state = self.disconnected(state, entry, dict(enumerate(self.ends)))
-        return self.settled(state), False
+        return self.settled(self.without_callers(state, programs)), False
+
+    def reborn(self, state: Way, programs: frozenset[int]) -> Way:
+        """The state after programs that had died began anew: their models are as at first."""
+        for i in {self.reader_of[p] for p in programs if p in self.reader_of}:
+            state = self.with_box(state, i, inners=self.models[i].initial)
+        return state
 
 
 def inputs_named(model: Model, names: tuple) -> set[str]:
@@ -522,7 +546,7 @@ class ModelOnWires(Boxes, Instance):
     def settled(self, state: Way) -> list[Way]:
         found = left(self.model, state.inners[0], state.marks, self.mortal, self.policy)
         return [
-            self.without_dead(self.refreshed(state._replace(inners=(inner,), marks=marks)))
+            self.refreshed(state._replace(inners=(inner,), marks=marks))
             for inner, marks in found
         ]
 

@@ -1,0 +1,141 @@
+"""Random small systems whose processes die, are killed, end, and begin anew."""
+
+from __future__ import annotations
+
+from random_presence import Part
+from random_spins import SpinMaker
+
+KINDS = ["single", "single", "single, order: rounds", "multi, threads: 2"]
+
+
+class LifeMaker(SpinMaker):
+    """Makes systems of processes that have several lives."""
+
+    targets: list[str] = []  # whom `kill` and `restart` may name
+
+    def life_system(self) -> str:
+        """The system's file."""
+        rng = self.rng
+        self.code_name = ""
+        self.services: list[str] = []
+        self.offered: set[str] = set()
+        self.does_offer: set[str] = set()
+        self.mortal: list[str] = []
+        self.rounds = False
+        self.has_mutex = self.chance(0.15)
+        node_count, program_count = rng.choice([(0, 2), (0, 3), (1, 1), (1, 1), (1, 2), (2, 0), (2, 1)])
+        nodes = [Part(self.new("n"), True) for _ in range(node_count)]
+        programs = [Part(self.new("p"), False) for _ in range(program_count)]
+        executors = [self.new("e") for _ in range(min(node_count, rng.choice([1, 2])))]
+        for node in nodes:
+            node.executor = rng.choice(executors)
+        executors = [name for name in executors if any(n.executor == name for n in nodes)]
+        parts = nodes + programs
+        rng.shuffle(parts)
+        keys = self.life_keys(executors + [program.name for program in programs])
+        for part in parts:
+            part.may_die = bool(keys[part.executor or part.name])
+        lines = ["models: {m: {use: mutex}}"] if self.has_mutex else []
+        lines += self.presence_services(parts) if self.chance(0.8) else []
+        lines += self.presence_topics(parts)
+        for part in parts:
+            if part.may_die or self.chance(0.3):
+                self.mortal += part.serves
+        if self.chance(0.3):
+            name = self.new("v")
+            lines.append(f'variables: "var {name}: 0..1;"')
+            self.atoms.append(f"{name} == 1")
+            some = rng.sample(parts, rng.randint(1, len(parts)))
+            for part in some:
+                part.numbers.append(name)
+        texts = self.life_nodes(nodes, executors, keys)
+        if programs:
+            texts.append("programs:")
+        self.code_name = ""
+        for program in programs:
+            code = self.presence_program(program)
+            if self.chance(0.3):
+                code += self.life_action(program)
+            own = keys[program.name]
+            if own:
+                texts += [f"  {program.name}:", *(f"    {key}" for key in own)]
+                texts += self.entry_of("    do", code)
+            else:
+                texts += self.entry_of(f"  {program.name}", code)
+        for service in self.services:
+            self.atoms += [f"{service}.there"] * 2
+            self.atoms += [f"{service}.send", f"{service}!request", f"{service}!answer"]
+        self.atoms = [atom for atom in self.atoms if self.is_there(atom, "\n".join(texts))]
+        return "\n".join(lines + texts + self.properties()) + "\n"
+
+    def life_keys(self, names: list[str]) -> dict[str, list[str]]:
+        """What stands at each program and executor of its process."""
+        rng = self.rng
+        keys: dict[str, list[str]] = {name: [] for name in names}
+        self.targets = list(names)
+        if len(names) > 1 and self.chance(0.35):
+            for name in rng.sample(names, 2):
+                keys[name].append("process: one")
+            self.targets.append("one")
+        if self.chance(0.7):
+            name = rng.choice(names)
+            keys[name].append("may_die: true")
+            if self.chance(0.6):
+                keys[name].append(f"may_restart: {rng.choice(['true', 'true', 'true', '1', '2'])}")
+        return keys
+
+    def life_nodes(self, nodes: list[Part], executors: list[str], keys: dict) -> list[str]:
+        """The executors and nodes, as lines."""
+        rng = self.rng
+        texts: list[str] = []
+        for node in nodes:
+            texts += self.presence_node(node)
+        lines = ["executors:"] if nodes else []
+        for name in executors:
+            kind = rng.choice(KINDS)
+            own = [f"kind: {kind}".split(", ")[0], *kind.split(", ")[1:], *keys[name]]
+            lines += [f"  {name}:", *(f"    {key}" for key in own)]
+            if kind == "single" and self.chance(0.2):
+                first = next(node for node in nodes if node.executor == name)
+                code = [*self.presence_code(first, "main", 1), *self.spinning()]
+                lines += self.entry_of("    main", code)
+        return lines + (["nodes:", *texts] if nodes else [])
+
+    def spinning(self) -> list[str]:
+        """How `main:` goes on."""
+        return self.rng.choice([["spin;"], ["spin;"], ["spin once;"], ["loop {", "spin some;", "}"]])
+
+    def life_action(self, part: Part) -> list[str]:
+        """A statement with which a process ends, or begins anew."""
+        if self.chance(0.25):
+            return [self.marked(part, "end;")]
+        target = self.rng.choice(self.targets)
+        own = {part.name, part.executor}
+        if target in own and self.chance(0.6):
+            target = self.rng.choice(self.targets)
+        return [self.marked(part, f"{self.rng.choice(['kill', 'restart', 'restart'])} {target};")]
+
+    def presence_action(self, part: Part, depth: int) -> list[str]:
+        """A few statements of a node's code or of a program."""
+        if self.kind != "lives":
+            return super().presence_action(part, depth)
+        if self.chance(0.2):
+            return self.life_action(part)
+        if not self.services:
+            return self.plain_action(part)
+        return super().presence_action(part, depth)
+
+    def plain_action(self, part: Part) -> list[str]:
+        """The same where there is no service."""
+        options = [[self.marked(part, "skip;")]] + [[f"{topic}.write;"] for topic in part.writes] * 3
+        options += [[f"{flag} = {self.rng.choice(['true', 'false'])};"] for flag in part.flags] * 2
+        options += [[f"{name} = ({name} + 1) % 2;"] for name in part.numbers] * 2
+        options += [["m.lock;", self.marked(part, "skip;"), "m.unlock;"]] * self.has_mutex
+        options += [[f"run {name};"] for name in part.threads if name != self.code_name]
+        return self.rng.choice(options)
+
+    def presence_condition(self, part: Part) -> str:
+        """An expression that is true or false."""
+        if self.kind == "lives" and not self.services + part.flags + part.numbers:
+            return "true"
+        return super().presence_condition(part)
