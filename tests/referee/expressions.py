@@ -97,8 +97,8 @@ class Presence(Variable):
     named: bool = False  # whether the file asks for it
 
     def is_watched(self) -> bool:
-        """Whether the file asks whether it is there, and its server may die."""
-        return self.mortal and self.named
+        """Whether the file asks whether it is there, or offers it, and its server may die."""
+        return self.mortal and (self.named or self.offered)
 
 
 def there_name(name: str, index: tuple) -> str:

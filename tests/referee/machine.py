@@ -15,6 +15,7 @@ from expressions import Mistake, Variable, evaluate
 
 World = tuple[tuple, tuple]
 Control = tuple
+DEAD = "dead"  # kept while a program's process is dead, and may begin anew
 CALLING = "calling"  # kept while a program stands in a call that an arrival ends
 
 
@@ -146,7 +147,8 @@ class Program:
 
     def has_ended(self, control: Control) -> bool:
         """Whether the program is at its end."""
-        return not is_error(control) and self.nodes[control[0]].kind == "end"
+        is_over = not is_error(control) and self.nodes[control[0]].kind == "end"
+        return is_over and control[3] != DEAD
 
     def rests(self, control: Control) -> bool:
         """Whether the program may stand here for ever."""
@@ -184,13 +186,13 @@ class Program:
             return self.returned(control, world)
         return getattr(self, "steps_" + node.kind)(node, control, values, world)
 
-    def dead(self, control: Control, world: World) -> Control:
-        """The control state after its process died: it stands at its end, with its variables of
-        the file as at first."""
+    def dead(self, control: Control, world: World, begins_anew: bool) -> Control:
+        """The control state after its process died: it stands at its end, but has not ended if it
+        may begin anew."""
         is_failed = is_error(control)  # behind its own `kill`, which it does not come to
         values = {} if is_failed else self.values_at(self.nodes[control[0]], control, world)
-        values |= {v: v.initial for v in self.system.variables if v.users == {self.number}}
-        return (self.end.number, frozenset(), tuple(values.get(v) for v in self.end.scope), None)
+        kept = tuple(values.get(v) for v in self.end.scope)
+        return (self.end.number, frozenset(), kept, DEAD if begins_anew else None)
 
     def step(
         self, label: tuple, node: Node, values: dict, world: World, kept: Any = None, **more: Any

@@ -156,7 +156,9 @@ class Executor:
         from one that ended."""
         if not self.numbers() & programs:
             return [state], False
-        return [Turn((), (), ENDED) if self.main is not None else Turn(DEAD, (), NOBODY)], False
+        left = () if state.left == LOOK else state.left
+        over = (), left, ENDED
+        return [Turn(*over) if self.main is not None else Turn(DEAD, state.left, NOBODY)], False
 
 
 def executor_of(name: str, description: dict, number: Any) -> Executor:
@@ -340,7 +342,7 @@ class NodeProgram(Program):
         """It stands at its start."""
         return (self.first.number, frozenset(), (None,) * len(self.first.scope), None)
 
-    def dead(self, control: Control, world: World) -> Control:
+    def dead(self, control: Control, world: World, begins_anew: bool) -> Control:
         """The control state after its process died."""
         return self.start()
 
@@ -565,6 +567,10 @@ class AtExecutor:
     def begun(self, world: World) -> tuple[Control, World]:
         """The control state at first, and the world."""
         return self.start(), world
+
+    def dead(self, control: Control, world: World, begins_anew: bool) -> Control:
+        """The control state after its process died."""
+        return control
 
     def called(self, control: Control, world: World) -> tuple[Control, World]:
         """It makes no calls."""

@@ -1,8 +1,8 @@
 """Processes: what dies in one step, and begins anew.
 
-A process is what has one `process:` name, or an executor with all its nodes, or a program. All that
-dies with it, or begins anew, does so in the step in which it is told: the control of its programs,
-the variables and models that it alone uses, and what stands in the state of the others for it.
+A process is what has one `process:` name, or an executor with all its nodes, or a program. All of it
+dies, or begins anew, in one step: the control of its programs and what stands in the state of the
+others for it. The variables and models that it alone uses stay as they are until it begins anew.
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ class Process:
         self.key = key
         self.may_die = False
         self.most = 0  # how often it begins anew by itself
-        self.is_named = False  # a statement kills it
+        self.is_named = False  # a statement kills it, or lets it begin anew
+        self.is_restarted = False
         self.ends_itself = False
         self.programs: list[int] = []
         self.executors: list[Executor] = []
@@ -73,11 +74,19 @@ class Process:
         return self.may_die or self.is_named or self.ends_itself
 
     @property
+    def begins_anew(self) -> bool:
+        """Whether it has another life on some run."""
+        return self.most > 0 or self.is_restarted
+
+    @property
     def initial(self) -> Life | None:
         """It lives."""
         is_alone = len(self.programs) + len(self.executors) == 1
-        is_plain = is_alone and not (self.most or self.is_named or self.ends_itself)
-        return None if is_plain else Life(left=self.most)
+        is_told = self.most or self.is_named or self.ends_itself
+        has_threads = any(
+            one.threads > 1 or any(node.pools for node in one.nodes) for one in self.executors
+        )
+        return Life(left=self.most) if not is_alone or is_told or has_threads else None
 
     def died(self, state: Any, programs: frozenset[int]) -> tuple[list, bool]:
         """Its death is told below."""
@@ -127,7 +136,7 @@ class Process:
             if life.is_wanted or life.left:
                 yield self.new_life(numbers, controls, world)
             return
-        if not self.may_die or self.has_ended(numbers, controls, world):
+        if not self.may_die or life is None and self.has_ended(numbers, controls, world):
             return
         who = ("process", self.use)
         ways, cut = self.after_death(numbers, controls, world, "dies")
@@ -142,18 +151,13 @@ class Process:
         return tuple((n, control) for n, control in zip(numbers, controls) if n in self.members)
 
     def has_ended(self, numbers: list[int], controls: tuple, world: World) -> bool:
-        """Whether all that runs in it has ended."""
-        for n, control in zip(numbers, controls):
-            if n in self.programs and not self.system.programs[n].has_ended(control):
-                return False
-        for k in self.parts:
-            use, state = self.system.uses[k], world[0][k]
-            if isinstance(use, Pool):
-                if any(state):
-                    return False
-            elif state.running != DEAD and state.spin != ENDED:
-                return False
-        return True
+        """Whether its program, or what runs on its executor, has ended."""
+        turns = [world[0][executor.use] for executor in self.executors if executor.use >= 0]
+        return all(turn.running == DEAD or turn.spin == ENDED for turn in turns) and all(
+            self.system.programs[n].has_ended(control)
+            for n, control in zip(numbers, controls)
+            if n in self.programs
+        )
 
     def after_death(
         self, numbers: list[int], controls: tuple, world: World, how: str
@@ -162,18 +166,17 @@ class Process:
         system = self.system
         ways, cut = [], False
         for k, (use, state) in enumerate(zip(system.uses, world[0])):
-            after, is_cut = [use.initial], False
-            if k not in self.own_models:
+            after, is_cut = [state], False
+            if k not in self.own_models or not self.begins_anew:
                 after, is_cut = use.died(state, self.members)
             if how == "quit" and isinstance(use, Service) and use.server & self.members:
                 after = [use.away(one) for one in after]
             ways.append(after)
             cut |= is_cut
-        shared = list(world[1])
-        for k in self.own_variables:
-            shared[k] = system.shared[k].initial
         controls = tuple(
-            system.programs[n].dead(control, world) if n in self.members else control
+            system.programs[n].dead(control, world, self.begins_anew)
+            if n in self.members
+            else control
             for n, control in zip(numbers, controls)
         )
         life = world[0][self.use]
@@ -181,8 +184,8 @@ class Process:
             life = Life(True, life.left, how == "restarted")
         found = []
         for models in itertools.product(*ways):
-            after_it = Program.with_model((tuple(models), tuple(shared)), self.use, life)
-            found.append((controls, after_it))
+            after_it = (tuple(models), world[1])
+            found.append((controls, Program.with_model(after_it, self.use, life)))
         return found, cut
 
     def new_life(self, numbers: list[int], controls: tuple, world: World) -> Step:
@@ -190,13 +193,17 @@ class Process:
         system = self.system
         for k, use in enumerate(system.uses):
             state = world[0][k]
-            if k in self.parts:
+            if k in self.parts or k in self.own_models:
                 state = use.initial
             elif isinstance(use, Service):
                 state = use.reborn(state, self.members, use.is_there(use.initial))
             elif hasattr(use, "reborn"):
                 state = use.reborn(state, self.members)
             world = Program.with_model(world, k, state)
+        shared = list(world[1])
+        for k in self.own_variables:
+            shared[k] = system.shared[k].initial
+        world = (world[0], tuple(shared))
         life = world[0][self.use]
         left = life.left if life.is_wanted else life.left - 1
         world = Program.with_model(world, self.use, Life(left=left))
@@ -251,6 +258,7 @@ def note_statements(system: Any, processes: dict[Any, Process]) -> None:
             elif statement.kind in KILLS:
                 for process in meant(system, processes.values(), statement.target[0], None):
                     process.is_named = True
+                    process.is_restarted |= statement.kind == "restart"
 
 
 def statements_in(value: Any, procedures: dict, called: set) -> Iterator[Statement]:

@@ -417,7 +417,6 @@ class Service:
                 requests=None,
                 server=FREE,
                 served=(None,) * len(state.served),
-                there=state.there and self.is_watched,
             )
         return [state], False
 
