@@ -125,7 +125,8 @@ def serves(name: str, lives: str, client: str, other: str, verdicts: dict, serve
     return Case(name, text, verdicts, own)
 
 
-def node(name: str, executor: str, other: str, verdicts: dict, code: str = SETS, **own: str) -> Case:
+def node(name: str, executor: str, other: str, verdicts: dict, code: str = SETS,
+         **own: str) -> Case:
     """An executor that lives as is said, with one node."""
     return Case(name, NODE.format(executor=executor, other=other, node=code), verdicts, own)
 

@@ -123,7 +123,7 @@ class Mutex:
     def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
         """What a dead program holds stays held, also when it begins anew."""
         if self.threads is not None and state[0] in {self.threads[p] for p in programs}:
-            state = (DEAD, *state[1:])
+            state = ((DEAD, state[0]), *state[1:])
         return [state], False
 
     # --- for a condition

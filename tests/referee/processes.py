@@ -1,8 +1,8 @@
 """Processes: what dies in one step, and begins anew.
 
-A process is what has one `process:` name, or an executor with all its nodes, or a program. All of it
-dies, or begins anew, in one step: the control of its programs and what stands in the state of the
-others for it. The variables and models that it alone uses stay as they are until it begins anew.
+A process is what has one `process:` name, or an executor with all its nodes, or a program. All of
+it dies, or begins anew, in one step: the control of its programs and what stands in the state of
+the others for it. The variables and models that it alone uses stay as they are until it begins anew.
 """
 
 from __future__ import annotations

@@ -23,7 +23,8 @@ class LifeMaker(SpinMaker):
         self.mortal: list[str] = []
         self.rounds = False
         self.has_mutex = self.chance(0.15)
-        node_count, program_count = rng.choice([(0, 2), (0, 3), (1, 1), (1, 1), (1, 2), (2, 0), (2, 1)])
+        counts = [(0, 2), (0, 3), (1, 1), (1, 1), (1, 2), (2, 0), (2, 1)]
+        node_count, program_count = rng.choice(counts)
         nodes = [Part(self.new("n"), True) for _ in range(node_count)]
         programs = [Part(self.new("p"), False) for _ in range(program_count)]
         executors = [self.new("e") for _ in range(min(node_count, rng.choice([1, 2])))]
@@ -39,7 +40,7 @@ class LifeMaker(SpinMaker):
         lines += self.presence_services(parts) if self.chance(0.8) else []
         lines += self.presence_topics(parts)
         for part in parts:
-            if part.may_die or self.chance(0.3):
+            if part.may_die:
                 self.mortal += part.serves
         if self.chance(0.3):
             name = self.new("v")
@@ -103,7 +104,8 @@ class LifeMaker(SpinMaker):
 
     def spinning(self) -> list[str]:
         """How `main:` goes on."""
-        return self.rng.choice([["spin;"], ["spin;"], ["spin once;"], ["loop {", "spin some;", "}"]])
+        options = [["spin;"], ["spin;"], ["spin once;"], ["loop {", "spin some;", "}"]]
+        return self.rng.choice(options)
 
     def life_action(self, part: Part) -> list[str]:
         """A statement with which a process ends, or begins anew."""
@@ -127,7 +129,8 @@ class LifeMaker(SpinMaker):
 
     def plain_action(self, part: Part) -> list[str]:
         """The same where there is no service."""
-        options = [[self.marked(part, "skip;")]] + [[f"{topic}.write;"] for topic in part.writes] * 3
+        options = [[self.marked(part, "skip;")]]
+        options += [[f"{topic}.write;"] for topic in part.writes] * 3
         options += [[f"{flag} = {self.rng.choice(['true', 'false'])};"] for flag in part.flags] * 2
         options += [[f"{name} = ({name} + 1) % 2;"] for name in part.numbers] * 2
         options += [["m.lock;", self.marked(part, "skip;"), "m.unlock;"]] * self.has_mutex

@@ -12,8 +12,8 @@ A Service answers what a program may do with it, as in use.py. Its state has
     asked     of each client that is a program its open requests
 
 A request is (number of the client, who asked). An answer in a client's queue is STRANGER, that to
-requests of the client's life before, too, or who asked. Where that is a program, this is the number of the request, or NOBODY if the program gave it
-up; in a node the copy of a callback whose run made the request, if it was the last one of that run
+requests of the client's life before, too, or who asked. Where that is a program, this is the number
+of the request, or NOBODY if the program gave it up; in a node the copy of a callback whose run made the request, if it was the last one of that run
 and the run goes on, or else NOBODY.
 
 An executor with rounds finds a client by any answer in its queue, and the client takes answers to
