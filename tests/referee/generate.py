@@ -53,7 +53,8 @@ class Generator(LifeMaker):
     def properties(self) -> list[str]:
         """Some properties, as lines."""
         lines = ["properties:"]
-        for number in range(self.rng.randint(1, 4)):
+        most = 8 if self.kind == "lives" else 4
+        for number in range(self.rng.randint(1, most)):
             roll = self.rng.random()
             fairness = self.rng.choice(["none", "weak", "strong"])
             formula = self.formula(self.rng.randint(1, 3))

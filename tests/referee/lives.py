@@ -73,6 +73,26 @@ programs:
 AT_ONCE = {"together": '{ltl: "F a@end <-> F b@end", fairness: strong}',
            "over": '"F (a@end && b@end)"'}  # fmt: skip
 
+LABELS = """
+models: {{m: {{use: mutex}}, k: {{use: mutex}}}}
+variables: "var go: bool = true;"
+programs:
+  a: {{do: "@begins skip; @stands loop {{ m.lock; m.unlock; }}", process: one{lives}}}
+  b: {{do: "@begins skip; @stands loop {{ k.lock; k.unlock; }}", process: one, may_die: true}}
+  q: "select {{ when (go) {{ }} }} kill one; @killed skip;"
+"""
+OF_THE_DEAD = {"stands": '"G (q@killed -> !(a@stands && b@end) && !(a@end && b@stands))"',
+               "both": '"G (a@end <-> b@end)"', "over": '"G (q@killed -> a@end)"'}  # fmt: skip
+
+RESET = """
+variables: "var x: bool;"
+programs:
+  a: {{do: "x = true;", process: one{lives}}}
+  b: {{do: "if (x) {{ skip; }}", process: one}}
+  q: "{how} a; @killed skip;"
+"""
+AS_AT_FIRST = {"reset": '"G (q@end -> !x)"', "was": '{possible: "x"}'}
+
 HELD = """
 models: {{m: {{use: mutex{recursive}}}}}
 programs:
@@ -147,7 +167,13 @@ CASES = [
            "restart p;"),
     Case("a second life of what may not die", TWO.format(
         code="skip;", other="skip;", lives=", may_restart: true"), None),
-    Case("six more lives", TWO.format(code="skip;", other="skip;", lives=", " + LIVES(6)), None),
+    Case("101 more lives", TWO.format(code="skip;", other="skip;", lives=", " + LIVES(101)), None),
+    Case("no more lives", TWO.format(code="skip;", other="skip;", lives=", " + LIVES(0)), None),
+    # Killed, it begins anew by itself.
+    counts("a second life of who is killed", ", may_restart: true", {**RUNS, **comes_to(2)},
+           "kill p;"),
+    counts("as many lives as it is killed", ", may_restart: 3", {**RUNS, **comes_to(3)},
+           "kill p; kill p;"),
     two("nobody of this name is killed", "skip;", "kill z;", None),
     # Its own variable is as at first when it begins anew.
     two("its variables begin anew", "if (x) { @old skip; } x = true; y = true; y = true;",
@@ -162,6 +188,20 @@ CASES = [
     two("a program ends itself", "if * { end; } y = true;", "if (y) { skip; }",
         {**RUNS, "over": "holds", "y": "holds", "not": "holds"},
         over='"F p@end"', y='{possible: "y"}', **{"not": '{possible: "p@end && !y"}'}),
+    # Its end holds behind its last life alone.
+    two("the end of a life is none", "@lives x = true; loop { y = x; }", "if (y) { skip; }",
+        {"deadlock": "holds", "two": "violated", "last": "holds", "dead": "violated"},
+        ", " + LIVES(1), two='{possible: "p@end && p@lives"}', last='{possible: "p@end"}',
+        dead='"F p@end"'),
+    two("the end of who may always begin anew", "@lives x = true; loop { y = x; }",
+        "kill p; kill p; @killed skip; if (y) { restart p; }",
+        {"deadlock": "holds", "end": "violated", "dead": "holds"},
+        end='{possible: "p@end"}', dead='{possible: "q@killed && !p@lives"}'),
+    # From its death on it is as at first.
+    Case("variables are as at first from the death on", RESET.format(lives="", how="kill"),
+         {**RUNS, "reset": "holds", "was": "holds"}, AS_AT_FIRST),
+    Case("and stay so till the next life", RESET.format(lives="", how="restart"),
+         {"deadlock": "holds", "reset": "violated", "was": "holds"}, AS_AT_FIRST),
     # Weakly fair runs: the killer comes.
     Case("two programs of a process die together", TOGETHER.format(
         lives="", other="kill one;"), {"deadlock": "holds", "together": "holds", "over": "holds"},
@@ -170,6 +210,20 @@ CASES = [
          {"deadlock": "holds", "together": "holds", "over": "holds"}, AT_ONCE),
     Case("two programs of a process begin anew", TOGETHER.format(lives="", other="restart one;"),
          {"deadlock": "holds", "together": "holds", "over": "violated"}, AT_ONCE),
+    Case("the labels of the dead", LABELS.format(lives=""), {
+        "deadlock": "holds", "stands": "holds", "both": "holds", "over": "holds"}, OF_THE_DEAD),
+    Case("the labels of the dead who begin anew", LABELS.format(lives=", may_restart: true"), {
+        "deadlock": "holds", "stands": "holds", "both": "holds", "over": "violated"},
+         OF_THE_DEAD),
+    # Nothing else happens: all runs come to its next life, and those who may not be in it stay.
+    two("all runs come to its next life", "@lives x = true;", "restart p; @done skip;",
+        {**RUNS, "anew": "holds"},
+        anew='{ltl: "F (q@done && !p@end) -> F (q@end && p@lives)", fairness: none}'),
+    # It would be stuck, but is dead again and again.
+    Case("who is begun anew again and again", HELD.format(
+        recursive="", lives="", other="m.lock; loop { restart p; @again skip; }"),
+         {"deadlock": "holds", "again": "holds"},
+         {"again": '{ltl: "G F q@again", fairness: none}'}),
     Case("one of two may die", TOGETHER.format(lives=", may_die: true", other="skip;"),
          {"deadlock": "holds", "together": "holds", "over": "violated"},
          AT_ONCE),

@@ -2,7 +2,8 @@
 
 A process is what has one `process:` name, or an executor with all its nodes, or a program. All of
 it dies, or begins anew, in one step: the control of its programs and what stands in the state of
-the others for it. The variables and models that it alone uses stay as they are until it begins anew.
+the others for it. The variables, models and topics that it alone uses are as at first from its
+death on.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from machine import Program, Step, World
 from nodes import Executor, Pool
 from services import Service
 from turns import DEAD, ENDED
-from use import Instance
+from use import Instance, Topic
 
-MOST_LIVES = 5
+MOST_LIVES = 100
 KILLS = ("kill", "restart")
 
 
@@ -64,19 +65,18 @@ class Process:
         self.most = max(self.most, most)
 
     def check(self) -> None:
-        """Refuses what begins anew and may not die."""
-        if self.most and not self.may_die:
-            raise Refused("'may_restart' stands beside 'may_die'")
+        """Refuses what begins anew and never dies."""
+        if self.most and not self.is_mortal:
+            raise Refused("'may_restart' stands beside 'may_die', or where something is killed")
 
     @property
     def is_mortal(self) -> bool:
         """Whether it dies on some run."""
         return self.may_die or self.is_named or self.ends_itself
 
-    @property
-    def begins_anew(self) -> bool:
-        """Whether it has another life on some run."""
-        return self.most > 0 or self.is_restarted
+    def may_begin_anew(self, life: Life | None) -> bool:
+        """Whether it may have another life behind this one."""
+        return self.is_restarted or life is not None and life.left > 0
 
     @property
     def initial(self) -> Life | None:
@@ -107,11 +107,11 @@ class Process:
 
     @cached_property
     def own_models(self) -> list[int]:
-        """The models that it alone uses."""
+        """The models and topics that it alone uses."""
         found = []
         for k in self.system.numbers.values():
             use = self.system.uses[k]
-            if isinstance(use, (Instance, Mutex, Condition)):
+            if isinstance(use, (Instance, Mutex, Condition, Topic)):
                 users = {p for p, used in enumerate(self.system.models_of) if k in used}
                 if users and users | set(use.standing) <= self.members:
                     found.append(k)
@@ -164,27 +164,30 @@ class Process:
     ) -> tuple[list[tuple[tuple, World]], bool]:
         """([(the control of all programs, the world) after its death], whether the run is cut)."""
         system = self.system
+        life = world[0][self.use]
         ways, cut = [], False
         for k, (use, state) in enumerate(zip(system.uses, world[0])):
-            after, is_cut = [state], False
-            if k not in self.own_models or not self.begins_anew:
+            after, is_cut = [use.initial], False
+            if k not in self.own_models:
                 after, is_cut = use.died(state, self.members)
             if how == "quit" and isinstance(use, Service) and use.server & self.members:
                 after = [use.away(one) for one in after]
             ways.append(after)
             cut |= is_cut
         controls = tuple(
-            system.programs[n].dead(control, world, self.begins_anew)
+            system.programs[n].dead(control, world, self.may_begin_anew(life))
             if n in self.members
             else control
             for n, control in zip(numbers, controls)
         )
-        life = world[0][self.use]
         if life is not None:
             life = Life(True, life.left, how == "restarted")
+        shared = list(world[1])
+        for k in self.own_variables:
+            shared[k] = system.shared[k].initial
         found = []
         for models in itertools.product(*ways):
-            after_it = (tuple(models), world[1])
+            after_it = (tuple(models), tuple(shared))
             found.append((controls, Program.with_model(after_it, self.use, life)))
         return found, cut
 
@@ -193,17 +196,15 @@ class Process:
         system = self.system
         for k, use in enumerate(system.uses):
             state = world[0][k]
-            if k in self.parts or k in self.own_models:
+            if k in self.parts:
                 state = use.initial
+            elif k in self.own_models:
+                continue
             elif isinstance(use, Service):
                 state = use.reborn(state, self.members, use.is_there(use.initial))
             elif hasattr(use, "reborn"):
                 state = use.reborn(state, self.members)
             world = Program.with_model(world, k, state)
-        shared = list(world[1])
-        for k in self.own_variables:
-            shared[k] = system.shared[k].initial
-        world = (world[0], tuple(shared))
         life = world[0][self.use]
         left = life.left if life.is_wanted else life.left - 1
         world = Program.with_model(world, self.use, Life(left=left))
@@ -242,9 +243,9 @@ def processes_of(system: Any) -> list[Process]:
             process = found.setdefault(key, Process(system, key))
             process.programs.append(number)
             process.add(text.may_die, text.may_restart)
+    note_statements(system, found)
     for process in found.values():
         process.check()
-    note_statements(system, found)
     return list(found.values())
 
 

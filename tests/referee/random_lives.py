@@ -12,6 +12,7 @@ class LifeMaker(SpinMaker):
     """Makes systems of processes that have several lives."""
 
     targets: list[str] = []  # whom `kill` and `restart` may name
+    own: dict[str, tuple[str, str]] = {}  # of a part (name, kind) of a model of its process alone
 
     def life_system(self) -> str:
         """The system's file."""
@@ -36,7 +37,7 @@ class LifeMaker(SpinMaker):
         keys = self.life_keys(executors + [program.name for program in programs])
         for part in parts:
             part.may_die = bool(keys[part.executor or part.name])
-        lines = ["models: {m: {use: mutex}}"] if self.has_mutex else []
+        lines = self.life_models(parts, keys)
         lines += self.presence_services(parts) if self.chance(0.8) else []
         lines += self.presence_topics(parts)
         for part in parts:
@@ -69,6 +70,47 @@ class LifeMaker(SpinMaker):
         self.atoms = [atom for atom in self.atoms if self.is_there(atom, "\n".join(texts))]
         return "\n".join(lines + texts + self.properties()) + "\n"
 
+    def life_models(self, parts: list[Part], keys: dict) -> list[str]:
+        """Models, as lines: one for all, and one that a part, or two of one process, have alone."""
+        rng, self.own = self.rng, {}
+        entries = ["m: {use: mutex}"] * self.has_mutex
+        if self.chance(0.4):
+            first = rng.choice(parts)
+            joined = [p for p in parts if "process: one" in keys[p.executor or p.name]]
+            users = joined if first in joined else [first]
+            options = ["mutex", "mutex", "semaphore", "condition"]
+            options += ["queue"] * 3 * (not any(part.is_node for part in users))
+            kind, name = rng.choice(options), self.new("o")
+            self.own = {part.name: (name, kind) for part in users}
+            entries += {
+                "mutex": [f"{name}: {{use: mutex}}"],
+                "semaphore": [f"{name}: {{use: semaphore, with: {{count: 1}}}}"],
+                "queue": [f"{name}: {{use: queue, with: {{{rng.choice(['size', 'depth'])}: 1}}}}"],
+                "condition": [f"k{name}: {{use: mutex}}",
+                              f"{name}: {{use: condition, with: {{mutex: k{name}}}}}"],
+            }[kind]  # fmt: skip
+        return [f"models: {{{', '.join(entries)}}}"] if entries else []
+
+    def own_action(self, part: Part) -> list[str]:
+        """A few statements with a model that is its process' own."""
+        name, kind = self.own[part.name]
+        between = [self.marked(part, "skip;")]
+        if self.chance(0.25):
+            between = self.life_action(part)
+        if kind == "queue":
+            return self.rng.choice([
+                [f"{name}.write;"], [self.marked(part, f"{name}.read -> message;")],
+                [f"{name}.write;", *between, f"{name}.read -> message;"],
+            ])  # fmt: skip
+        if kind == "condition":
+            wakes = self.rng.choice(["notify_one", "notify_all"])
+            return self.rng.choice([
+                [f"k{name}.lock;", self.marked(part, f"{name}.wait;"), f"k{name}.unlock;"],
+                [f"{name}.{wakes};"],
+            ])  # fmt: skip
+        takes, gives = {"mutex": ("lock", "unlock"), "semaphore": ("acquire", "release")}[kind]
+        return [self.marked(part, f"{name}.{takes};"), *between, f"{name}.{gives};"]
+
     def life_keys(self, names: list[str]) -> dict[str, list[str]]:
         """What stands at each program and executor of its process."""
         rng = self.rng
@@ -82,7 +124,8 @@ class LifeMaker(SpinMaker):
             name = rng.choice(names)
             keys[name].append("may_die: true")
             if self.chance(0.6):
-                keys[name].append(f"may_restart: {rng.choice(['true', 'true', 'true', '1', '2'])}")
+                lives = rng.choice(["true", "true", "true", "1", "2", "2", "4"])
+                keys[name].append(f"may_restart: {lives}")
         return keys
 
     def life_nodes(self, nodes: list[Part], executors: list[str], keys: dict) -> list[str]:
@@ -123,6 +166,8 @@ class LifeMaker(SpinMaker):
             return super().presence_action(part, depth)
         if self.chance(0.2):
             return self.life_action(part)
+        if part.name in self.own and self.chance(0.4):
+            return self.own_action(part)
         if not self.services:
             return self.plain_action(part)
         return super().presence_action(part, depth)
