@@ -78,7 +78,7 @@ def options_of(description: dict) -> dict:
 
 
 def delivery_of(
-    description: dict, origin: Origin, same_process: bool, is_topic: bool, between_nodes: bool
+    description: dict, origin: Origin, same_process: bool, is_topic: bool, has_node: bool
 ) -> str:
     """The delivery of a wire: what is said, or the first default that fits."""
     said = description.get("delivery")
@@ -88,7 +88,7 @@ def delivery_of(
         return str(said)
     if origin.use == "queue" and "size" in origin.options and "pub-depth" not in origin.options:
         return AT_ONCE
-    is_bare = between_nodes and origin.bare and origin.is_cyclone()
+    is_bare = has_node and origin.bare and origin.is_cyclone()
     if same_process and (origin.hands_over() or is_bare):
         return AT_ONCE
     if origin.name == "yarp":

@@ -202,6 +202,14 @@ CASES = [
          {**RUNS, "reset": "holds", "was": "holds"}, AS_AT_FIRST),
     Case("and stay so till the next life", RESET.format(lives="", how="restart"),
          {"deadlock": "holds", "reset": "violated", "was": "holds"}, AS_AT_FIRST),
+    # So is what it uses alone, and that is in no scope.
+    two("the dead have no variables", "var z: bool = true; @lives x = z; loop { y = z; z = !z; }",
+        "kill p; @killed if (y) { skip; }",
+        {"deadlock": "holds", "none": "holds", "was": "holds"},
+        none='"G (q@killed -> !x && !(p.z == true) && !(p.z == false))"',
+        was='{possible: "x && p.z"}'),
+    two("who just dies keeps them", "var z: bool = true; z = false; @lives skip;", "skip;",
+        {**RUNS, "stays": "holds"}, ", may_die: true", stays='"G (p.z == false)"'),
     # Weakly fair runs: the killer comes.
     Case("two programs of a process die together", TOGETHER.format(
         lives="", other="kill one;"), {"deadlock": "holds", "together": "holds", "over": "holds"},

@@ -186,13 +186,14 @@ class Program:
             return self.returned(control, world)
         return getattr(self, "steps_" + node.kind)(node, control, values, world)
 
-    def dead(self, control: Control, world: World, begins_anew: bool) -> Control:
-        """The control state after its process died: it stands at its end, but has not ended if it
-        may begin anew."""
+    def dead(self, control: Control, world: World, has_lives: bool, is_over: bool) -> Control:
+        """The control state after its process died: it stands at its end, but has not ended unless
+        it is over for ever. Where a process has lives, its variables are in no scope then."""
         is_failed = is_error(control)  # behind its own `kill`, which it does not come to
-        values = {} if is_failed else self.values_at(self.nodes[control[0]], control, world)
+        is_left = has_lives or is_failed
+        values = {} if is_left else self.values_at(self.nodes[control[0]], control, world)
         kept = tuple(values.get(v) for v in self.end.scope)
-        return (self.end.number, frozenset(), kept, DEAD if begins_anew else None)
+        return (self.end.number, frozenset(), kept, None if is_over else DEAD)
 
     def step(
         self, label: tuple, node: Node, values: dict, world: World, kept: Any = None, **more: Any

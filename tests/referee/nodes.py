@@ -342,7 +342,7 @@ class NodeProgram(Program):
         """It stands at its start."""
         return (self.first.number, frozenset(), (None,) * len(self.first.scope), None)
 
-    def dead(self, control: Control, world: World, begins_anew: bool) -> Control:
+    def dead(self, control: Control, world: World, has_lives: bool, is_over: bool) -> Control:
         """The control state after its process died."""
         return self.start()
 
@@ -568,7 +568,7 @@ class AtExecutor:
         """The control state at first, and the world."""
         return self.start(), world
 
-    def dead(self, control: Control, world: World, begins_anew: bool) -> Control:
+    def dead(self, control: Control, world: World, has_lives: bool, is_over: bool) -> Control:
         """The control state after its process died."""
         return control
 

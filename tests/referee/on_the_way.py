@@ -366,6 +366,23 @@ nodes:
   map: {executor: two, callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}
 properties: {never: "G !lookup!request_arrives", got: "F robot@got"}
 """, {"never": H, "got": H, "deadlock": H}),
+    Case("a service of a node and of a program in one process", """
+services: {lookup: {server: map, clients: [user, other]}}
+executors: {one: {kind: single, process: robot}}
+programs:
+  user: {do: "lookup.send; lookup.receive -> answer;", process: robot}
+  other: "skip;"
+nodes: {map: {executor: one, callbacks: {find: {serves: lookup, do: "lookup.answer;"}}}}
+properties: {never: "G !lookup!request_arrives", answer: "G !lookup[user]!answer_arrives",
+  others: "G !lookup[other]!answer_arrives"}
+""", {"never": H, "answer": H, "others": (H, V, V), "deadlock": H}),
+    Case("a service of programs in one process", """
+services: {lookup: {server: map, clients: [user]}}
+programs:
+  user: {do: "lookup.send; lookup.receive -> answer;", process: robot}
+  map: {do: "lookup.serve -> request; lookup.answer;", process: robot}
+properties: {never: "G !lookup!request_arrives"}
+""", {"never": (H, V, V), "deadlock": H}),
     Case("each write to one reader that has room", """
 topics: {data: {writers: source, readers: [left, right], use: queue, with: {size: 1}, deliver: one, delivery: late}}
 programs:

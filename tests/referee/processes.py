@@ -3,7 +3,7 @@
 A process is what has one `process:` name, or an executor with all its nodes, or a program. All of
 it dies, or begins anew, in one step: the control of its programs and what stands in the state of
 the others for it. The variables, models and topics that it alone uses are as at first from its
-death on.
+death on. One that dies by itself alone, for ever, leaves them as they are.
 """
 
 from __future__ import annotations
@@ -168,23 +168,24 @@ class Process:
         ways, cut = [], False
         for k, (use, state) in enumerate(zip(system.uses, world[0])):
             after, is_cut = [use.initial], False
-            if k not in self.own_models:
+            if life is None or k not in self.own_models:
                 after, is_cut = use.died(state, self.members)
             if how == "quit" and isinstance(use, Service) and use.server & self.members:
                 after = [use.away(one) for one in after]
             ways.append(after)
             cut |= is_cut
+        is_over = not self.may_begin_anew(life)
         controls = tuple(
-            system.programs[n].dead(control, world, self.may_begin_anew(life))
+            system.programs[n].dead(control, world, life is not None, is_over)
             if n in self.members
             else control
             for n, control in zip(numbers, controls)
         )
+        shared = list(world[1])
         if life is not None:
             life = Life(True, life.left, how == "restarted")
-        shared = list(world[1])
-        for k in self.own_variables:
-            shared[k] = system.shared[k].initial
+            for k in self.own_variables:
+                shared[k] = system.shared[k].initial
         found = []
         for models in itertools.product(*ways):
             after_it = (tuple(models), tuple(shared))

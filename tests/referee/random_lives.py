@@ -58,6 +58,8 @@ class LifeMaker(SpinMaker):
             code = self.presence_program(program)
             if self.chance(0.3):
                 code += self.life_action(program)
+            if self.chance(0.25):
+                code = self.with_variable(program, code)
             own = keys[program.name]
             if own:
                 texts += [f"  {program.name}:", *(f"    {key}" for key in own)]
@@ -144,6 +146,16 @@ class LifeMaker(SpinMaker):
                 code = [*self.presence_code(first, "main", 1), *self.spinning()]
                 lines += self.entry_of("    main", code)
         return lines + (["nodes:", *texts] if nodes else [])
+
+    def with_variable(self, program: Part, code: list[str]) -> list[str]:
+        """The code with a variable of its own, which changes somewhere."""
+        name = self.new("v")
+        first = self.rng.choice(["", " = true"])
+        self.atoms += [f"{program.name}.{name} == {value}" for value in ("true", "false")]
+        starts = [at for at, line in enumerate(code) if line.endswith(";")]
+        where = self.rng.choice(starts or [0])
+        changes = [f"{name} = !{name};"] * (where < len(code))
+        return [f"var {name}: bool{first};", *code[:where], *changes, *code[where:]]
 
     def spinning(self) -> list[str]:
         """How `main:` goes on."""

@@ -154,11 +154,11 @@ class SpinMaker(CallMaker):
 
     @staticmethod
     def surely_spins(lines: list[str]) -> bool:
-        """Whether it spins in no block, so that it may go round for ever: Maide does not look what
-        other code keeps from starting."""
+        """Whether it spins in no block, and without a time limit, so that it may go round for ever:
+        Maide does not look what other code keeps from starting."""
         depth = 0
         for line in lines:
-            if depth == 0 and re.match(r"(@\w+ )?spin ", line):
+            if depth == 0 and re.match(r"(@\w+ )?spin ", line) and "timeout" not in line:
                 return True
             depth += line.count("{") - line.count("}")
         return False

@@ -534,12 +534,12 @@ class System:
         origin = Origin(description, model.sul if model is not None else "")
         here = self.process_of(sender)
         there = None if reader is None else self.process_of(reader)
-        is_nodes = reader is not None and all(
+        has_node = reader is not None and any(
             self.texts[min(end)].callback is not None for end in (sender, reader)
         )
         is_connection = reader is not None
         delivery = delivery_of(
-            description, origin, here == there, is_connection, is_nodes
+            description, origin, here == there, is_connection, has_node
         )
         keep = kept(origin, model is None, lambda v: self.number(v, self.file))
         stream = description.get("stream", "mqtt" if origin.name == "mqtt" else None)
