@@ -202,11 +202,11 @@ CASES = [
          {**RUNS, "reset": "holds", "was": "holds"}, AS_AT_FIRST),
     Case("and stay so till the next life", RESET.format(lives="", how="restart"),
          {"deadlock": "holds", "reset": "violated", "was": "holds"}, AS_AT_FIRST),
-    # So is what it uses alone, and that is in no scope.
+    # So is what it uses alone; what its text declares is in no scope.
     two("the dead have no variables", "var z: bool = true; @lives x = z; loop { y = z; z = !z; }",
         "kill p; @killed if (y) { skip; }",
         {"deadlock": "holds", "none": "holds", "was": "holds"},
-        none='"G (q@killed -> !x && !(p.z == true) && !(p.z == false))"',
+        none='"G (q@killed -> x == false && !(p.z == true) && !(p.z == false))"',
         was='{possible: "x && p.z"}'),
     two("who just dies keeps them", "var z: bool = true; z = false; @lives skip;", "skip;",
         {**RUNS, "stays": "holds"}, ", may_die: true", stays='"G (p.z == false)"'),

@@ -165,8 +165,8 @@ CASES = [
     locks("a wake-up waits for the mutex",
           {"p": WAITS, "q": "m.lock; cv.notify_all; @in m.unlock;"},
           {**HANGS, "in": "holds"}, None, **{"in": '"G (q@in -> X (q@in || q@end))"'}),
-    # Lock, wait, wake, unlock; with each but the last it may die, and leaves the mutex as it is.
-    alone("the dead do not wait", f'{{do: "{WAITS}", may_die: true}}', HANGS, [(6, 8)]),
+    # Lock, wait, wake, unlock; with each but the last it may die, and leaves all as it is.
+    alone("the dead do not wait", f'{{do: "{WAITS}", may_die: true}}', HANGS, [(7, 8)]),
     # Waking by itself again and again, p keeps q from the mutex on runs that are weakly fair.
     locks("it wakes by itself again and again", {"p": READS, "q": SETS + "cv.notify_one;"},
           {"weak": "violated", "strong": "holds"}, None,

@@ -71,8 +71,11 @@ class Program:
 
     def start(self) -> Control:
         """The control state at first."""
-        values = {v: v.initial for v in self.system.variables if v.users == {self.number}}
-        return self.arrive(self.first, values)
+        return self.arrive(self.first, self.at_first())
+
+    def at_first(self) -> dict[Variable, Any]:
+        """The values of the variables of the file that it alone uses."""
+        return {v: v.initial for v in self.system.variables if v.users == {self.number}}
 
     def arrive(self, node: Node, values: dict[Variable, Any], kept: Any = None) -> Control:
         """Where control comes to stand, from this node on."""
@@ -188,10 +191,12 @@ class Program:
 
     def dead(self, control: Control, world: World, has_lives: bool, is_over: bool) -> Control:
         """The control state after its process died: it stands at its end, but has not ended unless
-        it is over for ever. Where a process has lives, its variables are in no scope then."""
+        it is over for ever. Where a process has lives, what the file declares for it alone is as
+        at first then, and what its text declares is in no scope."""
         is_failed = is_error(control)  # behind its own `kill`, which it does not come to
-        is_left = has_lives or is_failed
-        values = {} if is_left else self.values_at(self.nodes[control[0]], control, world)
+        values = self.at_first()
+        if not has_lives and not is_failed:
+            values = self.values_at(self.nodes[control[0]], control, world)
         kept = tuple(values.get(v) for v in self.end.scope)
         return (self.end.number, frozenset(), kept, None if is_over else DEAD)
 

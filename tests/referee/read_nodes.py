@@ -147,6 +147,8 @@ def add_client_callbacks(system: Any, services: list) -> None:
         for text in client_entries(description):
             if not any(entry_means(system, text, node, *what) for what in own):
                 raise Refused(f"node {node.full_name} is no client of {text}")
+        if not node.codes():
+            raise Refused(f"node {node.full_name} has no callback")
 
 
 def client_entries(description: dict) -> dict:
