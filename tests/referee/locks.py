@@ -54,6 +54,10 @@ class Mutex:
         """The event of an input that a program gives."""
         return (program, self.name, None, "?", (name, ()))
 
+    def is_kept_by(self, state: tuple, program: int) -> bool:
+        """Whether a program holds it, and nobody else may unlock it."""
+        return self.threads is not None and state[0] == self.threads[program]
+
     def locked(self, state: tuple, program: int) -> tuple | None:
         """The state after `lock`; None if it waits."""
         who, times, _ = state

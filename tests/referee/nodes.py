@@ -526,10 +526,20 @@ class Callback(NodeProgram):
         return found + self.cuts(("start",), cut)
 
     def steps_finish(self, node: Node, control: Control, values: dict, world: World) -> list[Step]:
+        if self.keeps_a_lock(world):
+            return self.cuts(("end",), True)
         use = self.executor.use
         turn = with_one_less(self.system, world[0][use], self.number)
         world = self.released(self.with_model(world, use, turn))
         return [self.step(("end",), self.first, values, world)]
+
+    def keeps_a_lock(self, world: World) -> bool:
+        """Whether it holds a recursive mutex on several threads, of which nobody knows which runs
+        the next callback."""
+        return self.executor.threads > 1 and any(
+            hasattr(use, "is_kept_by") and use.is_kept_by(state, self.number)
+            for use, state in zip(self.system.uses, world[0])
+        )
 
 
 def next_of(system: Any, left: tuple, world: World) -> int | None:
