@@ -190,3 +190,8 @@ class Condition:
     def died(self, state: tuple, programs: frozenset[int]) -> tuple[list, bool]:
         """A dead program does not wait."""
         return [tuple(one for one in state if one[0] not in programs)], False
+
+    @staticmethod
+    def left_alone(state: tuple) -> tuple:
+        """The state after all who use it died for ever: it stays, whoever of them waited."""
+        return tuple((DEAD, is_notified) for _, is_notified in state)

@@ -127,10 +127,6 @@ class Process:
                 found.append(k)
         return found
 
-    def is_left_alone(self, k: int, use: Any) -> bool:
-        """Whether a death for ever changes nothing here: nobody else asks who waits, or who holds."""
-        return isinstance(use, Mutex) or isinstance(use, Condition) and k in self.own_models
-
     # --- steps of nobody
 
     def steps(self, numbers: list[int], controls: tuple, world: World) -> Iterator[Step]:
@@ -172,8 +168,10 @@ class Process:
         ways, cut = [], False
         for k, (use, state) in enumerate(zip(system.uses, world[0])):
             after, is_cut = [use.initial], False
-            if life is None and self.is_left_alone(k, use):
-                after = [state]
+            if life is None and isinstance(use, Mutex):
+                after = [state]  # whoever held it
+            elif life is None and isinstance(use, Condition) and k in self.own_models:
+                after = [use.left_alone(state)]
             elif life is None or k not in self.own_models:
                 after, is_cut = use.died(state, self.members)
             if how == "quit" and isinstance(use, Service) and use.server & self.members:
