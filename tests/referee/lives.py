@@ -227,6 +227,11 @@ CASES = [
     two("all runs come to its next life", "@lives x = true;", "restart p; @done skip;",
         {**RUNS, "anew": "holds"},
         anew='{ltl: "F (q@done && !p@end) -> F (q@end && p@lives)", fairness: none}'),
+    # Strongly fair runs: to die and to begin anew is no step of its own, and that comes.
+    two("a step of its own in one of many lives", "x = true;",
+        "loop { restart p; if (x) { @seen skip; } }",
+        {"deadlock": "holds", "seen": "holds", "weak": "violated"},
+        seen='{ltl: "F x", fairness: strong}', weak='"F x"'),
     # It would be stuck, but is dead again and again.
     Case("who is begun anew again and again", HELD.format(
         recursive="", lives="", other="m.lock; loop { restart p; @again skip; }"),
