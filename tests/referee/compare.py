@@ -77,6 +77,14 @@ class Comparison:
             found[name] = max(found.get(name, "holds"), entry["verdict"], key=order.index)
         return found
 
+    @staticmethod
+    def goes_round(answer: dict, name: str) -> bool:
+        """Whether Maide did not look what code that may go round for ever keeps from starting."""
+        return any(
+            entry["name"] == name and "may go round for ever" in str(entry.get("reason"))
+            for entry in answer["properties"]
+        )
+
     def counts(self, path: Path, mine: dict) -> dict[tuple, tuple[int, int]]:
         """The states and transitions of each component; those of one without a violation are all.
 
@@ -139,7 +147,9 @@ class Comparison:
                     continue
                 # What Maide does not look for: it may not know it, or doubt it where who spins goes on.
                 known = entry.get("unless_starved")
-                doubts = known == "holds" and entry["verdict"] == "violated"
+                doubts = known == "holds" and (
+                    entry["verdict"] == "violated" or self.goes_round(theirs, name)
+                )
                 if verdicts[name] not in (entry["verdict"], known, doubts and "inconclusive"):
                     kind = name if name in ("deadlock", "stuck", "error") else "property"
                     found.append(
