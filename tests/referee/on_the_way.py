@@ -232,7 +232,7 @@ programs:
 properties: {both: "F sink@end", lost: "G !data!lost"}
 """, {"both": (H, V, H), "deadlock": (H, V, H), "lost": (H, V, H)}),
     Case("an older one arrives or is lost, the newest arrives", """
-topics: {data: {writers: source, readers: sink, use: queue, with: {depth: 10, pub-depth: 1}}}
+topics: {data: {writers: source, readers: sink, use: queue, with: {depth: 10, pub-depth: 1}, delivery: late}}
 programs:
   source: "data.write(1); data.write(2); data.write(3);"
   sink: "var x: 0..3; loop { data.read -> message(x); if (x == 3) { stop; } @old skip; }"

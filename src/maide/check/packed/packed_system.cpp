@@ -98,6 +98,8 @@ void PackedSystem::add_program(const Program& program) {
   for (const ProgramEdge& edge : program.edges) {
     packed.is_idle.push_back(!program.is_progress(edge));
     has_idle_steps_ = has_idle_steps_ || packed.is_idle.back();
+    packed.is_fate.push_back(program.role_of(edge) == CombinedStep::Role::fate);
+    has_fates_ = has_fates_ || packed.is_fate.back();
   }
   if (std::ranges::find(packed.is_error, true) != packed.is_error.end()) {
     erring_.push_back(static_cast<std::uint32_t>(actors_.size() - 1));
@@ -146,6 +148,7 @@ void PackedSystem::add_part(std::uint32_t first, std::uint32_t end) {
   packed.edges_into.resize(1);
   packed.groups.assign(end, no_group);
   packed.is_idle.assign(end, false);
+  packed.is_fate.assign(end, false);
   for (std::uint32_t number = first; number < end; ++number) {
     const NobodysAction& action = actions[number];
     packed.edges_into[0].push_back(number);

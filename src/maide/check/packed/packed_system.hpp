@@ -147,6 +147,10 @@ class PackedSystem {
   bool is_progress(std::size_t actor, std::uint32_t action) const {
     return !has_idle_steps_ || !actors_[actor].is_idle[action];
   }
+  // The step is the actor's own: for fairness, what befalls a program is not.
+  bool is_own(std::size_t actor, std::uint32_t action) const {
+    return !has_fates_ || !actors_[actor].is_fate[action];
+  }
   // Programs that fair runs are fair to.
   template <typename Bits>
   Bits fair_programs() const {
@@ -309,6 +313,7 @@ class PackedSystem {
     std::vector<std::vector<std::uint32_t>> edges_into;  // by control state
     std::vector<bool> may_stay, is_error;                // by control state
     std::vector<bool> is_idle;                           // by edge: it is no progress
+    std::vector<bool> is_fate;                           // so: it befalls the program (is_fate())
     std::vector<std::uint32_t> groups;                   // by edge: its fair group, or no_group
     std::vector<std::uint32_t> called;  // by edge: the model of a call, or no_model; if has_calls()
   };
@@ -424,6 +429,7 @@ class PackedSystem {
   unsigned most_source_bits_ = 0;  // in a code; steps that need more are kept
   std::unique_ptr<KeptLists> kept_;
   bool has_cuts_ = false, has_idle_steps_ = false;
+  bool has_fates_ = false;
   std::vector<std::uint32_t> erring_;  // programs with errors
   std::vector<bool> weak_groups_;      // by fair group: whether it is fair on weakly fair runs
   bool has_weak_groups_ = false;

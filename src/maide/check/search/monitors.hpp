@@ -299,14 +299,15 @@ class StuckMonitor {
     guess(state, follow);
   }
   template <typename State, typename Follow>
-  void step(const State& next, std::size_t program, std::uint32_t, const Bits& enabled,
+  void step(const State& next, std::size_t program, std::uint32_t edge, const Bits& enabled,
             std::uint32_t at, Follow&& follow) const {
+    const bool is_watched = program == at - 1 && packed_.is_own(program, edge);
     if (at == 0) {
       follow(0, 0);
       guess(next, follow);
     } else if (is_strong()) {
-      if (program != at - 1 && !has_bit(enabled, at - 1)) follow(at, 0);
-    } else if (program != at - 1) {
+      if (!is_watched && !has_bit(enabled, at - 1)) follow(at, 0);
+    } else if (!is_watched) {
       follow(at, weakly_fair_marks(packed_.program_count(), fair_, program, enabled));
     }
   }

@@ -90,7 +90,8 @@ class ProductGraph {
       std::uint16_t program = 0;
     };
     std::vector<One> steps;  // but for those that cut the run, or come to an error
-    Bits enabled{};          // actors that can make progress, those steps among them
+    Bits enabled{};          // actors that can make progress by themselves, those steps among them
+    bool is_over = true;     // no step is progress
     Bits groups{};           // fair groups of which a step is possible
     std::uint64_t seen = 0;  // steps, those that are not among `steps` included
   };
@@ -186,7 +187,9 @@ class ProductGraph {
   // Who steps by the edge.
   Share share_of(const Edge& edge) const {
     if (!edge.is_step) return {};
-    return {bit_of<Bits>(edge.program), system_.template group_of<Bits>(edge.program, edge.edge)};
+    const bool is_own = system_.is_own(edge.program, edge.edge);
+    return {is_own ? bit_of<Bits>(edge.program) : Bits{},
+            system_.template group_of<Bits>(edge.program, edge.edge)};
   }
   Share wanted() const {
     return {monitor_.is_strong() ? monitor_.fair_programs() : Bits{}, monitor_.groups()};
@@ -214,7 +217,7 @@ class ProductGraph {
                       visit(Edge{target, marks, step.code, step.edge, step.program, true});
                     });
     }
-    if (!is_none(found.enabled)) return;
+    if (!found.is_over) return;
     monitor_.stay(plain(node), watching, [&](std::uint32_t state, const Bits& marks) {
       State target = node;
       system_.monitor().set(target, state);
@@ -283,6 +286,7 @@ class ProductGraph {
   void find_steps_as(const State& node, Steps& found) const {
     found.steps.clear();
     found.enabled = {};
+    found.is_over = true;
     found.groups = {};
     found.seen = 0;
     const State state = plain(node);
@@ -292,7 +296,10 @@ class ProductGraph {
           state, program,
           [&](const State& next, std::uint32_t edge, bool is_cut, std::uint64_t code) {
             ++found.seen;
-            if (is_plain || system_.is_progress(program, edge)) found.enabled |= bit;
+            if (is_plain || system_.is_progress(program, edge)) {
+              found.is_over = false;
+              if (is_plain || system_.is_own(program, edge)) found.enabled |= bit;
+            }
             if constexpr (!is_plain) {
               found.groups |= system_.template group_of<Bits>(program, edge);
               if (system_.is_error(next)) return;

@@ -49,6 +49,13 @@ struct Enabled {
   bool operator==(const Enabled&) const = default;
 };
 
+// A program's own step, for fairness: not what befalls it.
+bool is_own(const System& system, const Step& step) {
+  const CombinedStep* const combined = combined_step_of(system, step);
+  return step.actor != nobody &&
+         (combined == nullptr || combined->role != CombinedStep::Role::fate);
+}
+
 Enabled find_enabled(const System& system, const GlobalState& state) {
   Enabled enabled;
   enabled.programs.resize(system.programs.size());
@@ -57,7 +64,7 @@ Enabled find_enabled(const System& system, const GlobalState& state) {
   }
   enabled.groups.emplace_back(std::max<std::size_t>(system.nobodys_groups.size(), 1));
   for (const Step& step : enabled_steps(system, state)) {
-    if (step.actor != nobody && is_progress(system, step)) enabled.programs[step.actor] = true;
+    if (is_own(system, step) && is_progress(system, step)) enabled.programs[step.actor] = true;
     const auto [actor, group] = fair_group_of(system, step);
     enabled.groups[actor][group] = true;
   }
@@ -80,7 +87,7 @@ LoopShares share_loop(const System& system, const Trace& trace,
   };
   for (std::size_t at = *trace.loop_start; at < trace.steps.size(); ++at) {
     const Step& taken = trace.steps[at];
-    if (taken.actor != nobody) shares.programs[taken.actor].steps = true;
+    if (is_own(system, taken)) shares.programs[taken.actor].steps = true;
     group_of(taken).steps = true;
     const Enabled enabled = find_enabled(system, states[at]);
     for (std::size_t program = 0; program < enabled.programs.size(); ++program) {
