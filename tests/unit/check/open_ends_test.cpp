@@ -360,6 +360,10 @@ TEST(Origins, StandBehindStatements) {
   const std::vector<Step> second = enabled_steps(system, next);
   ASSERT_EQ(second.size(), 2U);
   EXPECT_EQ(place_text(system, second[1]), "src/node.cpp:14:3");
+  system_from("programs: {p: 'if * { unknown at \"a.cpp:1\"; } end at \"a.cpp:2\";'}\n");
+  system_from(
+      "executors: {e: {kind: single, main: 'spin some at \"a.cpp:1\"; spin at \"a.cpp:2\";'}}\n"
+      "nodes: {n: {executor: e, callbacks: {c: {timer: 1, do: 'skip;'}}}}\n");
   EXPECT_THAT(error_of([] { system_from("programs: {p: 'skip at \"node.cpp\";'}\n"); }),
               HasSubstr("behind 'at' stands a place"));
 }

@@ -396,8 +396,9 @@ class CodeParser {
     if (verb == std::end(verbs) || first.kind != Token::Kind::identifier) return false;
     const bool is_alone = verb->second == Kind::unknown || verb->second == Kind::end;
     const bool may_be_alone = is_alone || verb->second == Kind::spin;
-    const bool has_name = !is_alone && tokens_.peek(1).is_name();
-    if (!has_name && !(may_be_alone && tokens_.peek(1).is(";"))) return false;
+    const bool has_name = !is_alone && tokens_.peek(1).is_name() && !is_at(1);
+    const bool ends_there = tokens_.peek(1).is(";") || is_at(1);
+    if (!has_name && !(may_be_alone && ends_there)) return false;
     tokens_.next();
     statement.kind = verb->second;
     if (statement.kind == Kind::spin) {
@@ -424,12 +425,14 @@ class CodeParser {
     accept("once", Spin::once);
     accept("some", Spin::some);
     accept("all", Spin::all);
-    if (tokens_.peek().is_name() && !tokens_.peek().is("until") && !tokens_.peek().is("timeout")) {
+    const bool is_named = tokens_.peek().is_name() && !tokens_.peek().is("until") &&
+                          !tokens_.peek().is("timeout") && !is_at(0);
+    if (is_named) {
       statement.name = parse_plain_name("an executor");
     }
     if (statement.spin == Spin::ever) accept("until", Spin::until);
     const bool is_counted = statement.spin == Spin::some || statement.spin == Spin::all;
-    if (is_counted && !tokens_.peek().is(";")) statement.expression = terms_.parse();
+    if (is_counted && !tokens_.peek().is(";") && !is_at(0)) statement.expression = terms_.parse();
     if (statement.spin == Spin::until) {
       statement.model = parse_model();
       tokens_.expect("->", "after 'spin until " + statement.model.name.text + "'");
