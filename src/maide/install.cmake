@@ -32,6 +32,9 @@ file(RELATIVE_PATH pc_to_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefi
 configure_file(maide.pc.in ${PROJECT_BINARY_DIR}/maide.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/maide.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
+# What calls of libraries mean, for `maide extract`.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/maide DESTINATION ${CMAKE_INSTALL_DATADIR})
+
 # Manual pages, and completion for shells: the program makes them.
 if(NOT CMAKE_CROSSCOMPILING)
   install(CODE "

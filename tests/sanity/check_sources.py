@@ -14,14 +14,14 @@ from pathlib import Path
 # The layers of src/maide, lowest first. A file includes its own layer and those below it, with three
 # exceptions: a wrapper's process carries no learner, so sul and wire do without formats; check knows
 # nothing of learning, and learning nothing of it; the public face does without the command line.
-LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "experiment", "check",
+LAYERS = ["base", "automata", "formats", "sul", "wire", "learn", "conformance", "experiment", "check", "extract",
           "ros2", "join", "report", "cli", "face"]
 WRAPPER_LAYERS = ["base", "automata", "sul", "wire"]
 LEARNING_LAYERS = ["sul", "wire", "learn", "conformance", "experiment"]
 # The library that each layer belongs to (maide_layer() in its CMakeLists.txt). A library is linked
 # with those below it alone, so these are the layers of each that may go without the others.
 LIBRARIES = {"maide_base": ["base", "automata", "formats"], "maide_wrapper": ["sul", "wire"],
-             "maide_learning": ["learn", "conformance", "experiment"], "maide_checking": ["check"],
+             "maide_learning": ["learn", "conformance", "experiment"], "maide_checking": ["check", "extract"],
              "maide": ["ros2", "join", "report"]}
 FACE = ["maide.hpp", "learn.hpp", "check.hpp", "wrapper.hpp"]
 

@@ -175,6 +175,10 @@ std::span<const Command> command_table() {
               "maide new wrapper --tcp 127.0.0.1:21 --input 'user=USER anonymous' \\\n"
               "    --input 'pass=PASS x' --cpp -o ftp.cpp",
               set_up_new},
+      Command{"extract", "Write a system file from C++ sources of ROS 2 nodes",
+              "maide extract src/robot.cpp -o robot.yaml\n"
+              "maide extract src --assume ok,exceptions -o robot.yaml",
+              set_up_extract},
       Command{"ros2", "Write a system file of a running graph of ROS 2",
               "maide ros2 import -o robot.yaml\n"
               "maide ros2 import --json > graph.json\n"

@@ -187,6 +187,7 @@ RunFunction set_up_manual(CommandLine& line);
 RunFunction set_up_new(CommandLine& line);
 RunFunction set_up_replay(CommandLine& line);
 RunFunction set_up_reproduce(CommandLine& line);
+RunFunction set_up_extract(CommandLine& line);
 RunFunction set_up_ros2(CommandLine& line);
 RunFunction set_up_simulate(CommandLine& line);
 RunFunction set_up_test(CommandLine& line);

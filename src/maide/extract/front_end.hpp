@@ -1,0 +1,33 @@
+// Reads C++ by `cppcheck --dump`, a program of Debian that needs neither headers nor a build. It
+// runs nothing of what it reads.
+//
+// What fails closed here: a version whose dumps are not known is refused; each message of cppcheck
+// and each file that it refuses is a fault of the sources; a conditional of the preprocessor around
+// code, and a call that stands in the text and in no dump, too.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "maide/base/run_control.hpp"
+#include "maide/extract/sources.hpp"
+
+namespace maide::extract {
+
+struct FrontEndOptions {
+  std::vector<std::string> include_folders;
+  std::function<void(std::size_t done, std::size_t of, const std::string& file)> progress;
+};
+
+// The C++ sources of files and folders, in order of their names. Throws UsageError if there is
+// none.
+std::vector<std::filesystem::path> find_sources(const std::vector<std::string>& arguments);
+
+// Throws UsageError if cppcheck is not there or of a version that is not known, Interrupted if
+// `control` says stop.
+Sources read_sources(const std::vector<std::filesystem::path>& files,
+                     const FrontEndOptions& options, const RunControl& control);
+
+}  // namespace maide::extract

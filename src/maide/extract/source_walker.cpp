@@ -1,0 +1,66 @@
+#include "maide/extract/source_walker.hpp"
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/extract/type_names.hpp"
+
+namespace maide::extract {
+
+SourceWalker::SourceWalker(const Sources& sources, const ApiTable& table, Model& model,
+                           std::set<std::string>& mixed)
+    : walk_(sources, table, model, mixed),
+      expressions_(walk_),
+      statements_(walk_),
+      calls_(walk_),
+      objects_(walk_),
+      rows_(walk_) {
+  walk_.expressions = &expressions_;
+  walk_.statements = &statements_;
+  walk_.calls = &calls_;
+  walk_.objects = &objects_;
+  walk_.rows = &rows_;
+}
+
+void SourceWalker::make_globals() {
+  for (std::size_t i = 0; i < walk_.sources.variables.size(); ++i) {
+    const Variable& variable = walk_.sources.variables[i];
+    const bool is_global = !variable.is_local && (variable.of_class.empty() || variable.is_static);
+    if (!is_global || variable.is_extern || variable.type.empty()) continue;
+    Value value;
+    const Program program = walk_.writer.write(Phase::start, none, [&] {
+      std::vector<Value> arguments = expressions_.evaluate_all(variable.arguments, variable.place);
+      const bool is_copy =
+          arguments.size() == 1 && (variable.is_set || is_pointer_type(variable.type));
+      value = is_copy ? arguments[0]
+                      : objects_.construct(variable.type, std::move(arguments), variable.place,
+                                           variable.name);
+    });
+    if (has_steps(program.code)) {
+      walk_.writer.hole(variable.place, "a global variable whose first value communicates", true);
+    }
+    if (!value.matters()) value = walk_.values.data_of(static_cast<int>(i));
+    walk_.values.declare_global(static_cast<int>(i), std::move(value));
+  }
+}
+
+Program SourceWalker::run(const Value& callable, const std::vector<Value>& arguments, Phase phase,
+                          int node) {
+  return walk_.writer.write(phase, node, [&] { calls_.call_value(callable, arguments, Place{}); });
+}
+
+void SourceWalker::make_alone(const Class& entry) {
+  std::vector<Value> arguments;
+  for (const int maker : walk_.names.all_methods(entry, last_part(entry.name))) {
+    arguments.clear();
+    for (const std::string& type : walk_.function(maker).parameter_types) {
+      arguments.push_back(data_value(class_of_type(type)));
+    }
+  }
+  walk_.writer.write(Phase::start, none,
+                     [&] { objects_.make(entry.name, arguments, entry.place); });
+}
+
+}  // namespace maide::extract

@@ -1,0 +1,332 @@
+#include "maide/extract/statement_walker.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/extract/expression_walker.hpp"
+#include "maide/extract/finite_loop.hpp"
+#include "maide/extract/lock_keeper.hpp"
+#include "maide/extract/object_maker.hpp"
+#include "maide/extract/row_reader.hpp"
+#include "maide/extract/type_names.hpp"
+
+namespace maide::extract {
+namespace {
+
+using Form = Expression::Kind;
+
+Code leave_loop() {
+  Code code;
+  code.kind = Code::Kind::leave;
+  return code;
+}
+
+bool has_call(const Expression& expression) {
+  return expression.kind == Form::call || expression.kind == Form::construct ||
+         std::ranges::any_of(expression.operands, has_call);
+}
+
+void do_nothing() {}
+
+}  // namespace
+
+// ---- Sequences ----
+
+void StatementWalker::walk(const std::vector<Statement>& list) {
+  const CodeWriter::Scope scope(writer_);
+  for (const Statement& next : list) {
+    const std::set<std::string> before = writer_.raised();
+    may_throw(next);
+    writer_.guard_rest(before);
+    const std::set<std::string> between = writer_.raised();
+    const std::size_t written = writer_.written();
+    walk_.acting_calls = 0;
+    one(next);
+    if (writer_.written() != written) may_throw(next);
+    if (walk_.acting_calls > 1 && writer_.tries() > 0) {
+      writer_.hole(next.place, "several calls in one statement of a try", false);
+    }
+    writer_.guard_rest(between);
+  }
+}
+
+// In a try each statement that calls something may throw, in front of what it does or behind it.
+void StatementWalker::may_throw(const Statement& next) {
+  const bool calls = std::ranges::any_of(next.expressions, has_call);
+  if (writer_.tries() == 0 || !calls) return;
+  writer_.either(
+      next.place, [&] { writer_.raise(writer_.throw_flag()); }, do_nothing);
+}
+
+void StatementWalker::walk_body(const std::vector<Statement>& list) {
+  const auto loops = std::exchange(loops_, {});
+  walk(list);
+  loops_ = loops;
+}
+
+void StatementWalker::one(const Statement& next) {
+  switch (next.kind) {
+    case Statement::Kind::expression:
+      for (const Expression& expression : next.expressions) {
+        walk_.expressions->evaluate(expression);
+      }
+      return;
+    case Statement::Kind::declaration: return declare(next);
+    case Statement::Kind::branch: return branch(next);
+    case Statement::Kind::loop:
+    case Statement::Kind::range:
+    case Statement::Kind::repeat: return loop(next);
+    case Statement::Kind::choice: return choice(next);
+    case Statement::Kind::attempt: return attempt(next);
+    case Statement::Kind::block:
+      for (const auto& block : next.blocks) walk(block);
+      return;
+    case Statement::Kind::returns: return returns(next);
+    case Statement::Kind::breaks:
+    case Statement::Kind::continues: return jump(next);
+    case Statement::Kind::throws:
+      for (const Expression& expression : next.expressions) {
+        walk_.expressions->evaluate(expression);
+      }
+      return writer_.raise(writer_.throw_flag());
+    case Statement::Kind::opaque: return writer_.hole(next.place, next.text, true);
+  }
+}
+
+void StatementWalker::returns(const Statement& next) {
+  Frame& frame = walk_.values.frame();
+  if (!next.expressions.empty()) {
+    const Value value = walk_.expressions->evaluate(next.expressions[0]);
+    if (!value.condition.empty()) writer_.set(frame.return_value, value.condition);
+    frame.returns.push_back(value);
+  }
+  writer_.raise(frame.return_flag);
+}
+
+void StatementWalker::jump(const Statement& next) {
+  const bool is_break = next.kind == Statement::Kind::breaks;
+  const std::string flag = loops_.empty() ? ""
+                           : is_break     ? loops_.back().first
+                                          : loops_.back().second;
+  if (flag.empty()) return writer_.hole(next.place, "a break of nothing", false);
+  writer_.raise(flag);
+}
+
+// ---- Declarations ----
+
+void StatementWalker::declare(const Statement& next) {
+  const Variable& variable = walk_.variable(next.variable);
+  if (variable.is_static) return declare_static(next, variable);
+  const std::string type = class_of_type(variable.type);
+  if (LockKeeper::is_guard(type)) {
+    return walk_.rows->locks().declare_guard(next, type);
+  }
+  std::vector<Value> arguments = walk_.expressions->evaluate_all(next.expressions, next.place);
+  const bool holds_pointer = variable.is_pointer || is_pointer_type(variable.type);
+  const bool is_copy = next.is_set || variable.is_reference || holds_pointer || type == "auto";
+  Value value;
+  if (arguments.empty() && (holds_pointer || variable.is_reference)) {
+    value.kind = Value::Kind::null;
+  } else if (arguments.size() == 1 && is_copy) {
+    value = arguments[0];
+    if (variable.is_reference) walk_.expressions->forget(next.expressions[0]);
+  } else if (is_copy) {
+    if (any_matters(arguments)) writer_.hole(next.place, "a pointer to what is not known", true);
+    value = unknown_value();
+  } else {
+    value =
+        walk_.objects->construct(variable.type, std::move(arguments), next.place, variable.name);
+  }
+  const bool is_followed =
+      value.matters() || value.kind == Value::Kind::status || value.kind == Value::Kind::qos;
+  if (!is_followed && type != "auto") value.type = type;
+  walk_.values.declare(next.variable, std::move(value));
+}
+
+// It is made once, when somebody first comes there.
+void StatementWalker::declare_static(const Statement& next, const Variable& variable) {
+  if (walk_.values.has_global(next.variable)) return;
+  const std::size_t written = writer_.written();
+  std::vector<Value> arguments = walk_.expressions->evaluate_all(next.expressions, next.place);
+  const bool is_copy = arguments.size() == 1 && (next.is_set || is_pointer_type(variable.type));
+  Value value = is_copy ? arguments[0]
+                        : walk_.objects->construct(variable.type, std::move(arguments), next.place,
+                                                   variable.name);
+  if (writer_.written() != written) {
+    writer_.hole(next.place, "a static variable whose first value communicates", true);
+  }
+  if (!value.matters()) value = data_value(class_of_type(variable.type));
+  walk_.values.declare_global(next.variable, std::move(value));
+}
+
+// ---- Branches ----
+
+void StatementWalker::branch(const Statement& next) {
+  const CodeWriter::Scope scope(writer_);
+  Value condition;
+  if (!next.expressions.empty()) {
+    condition = walk_.expressions->evaluate(next.expressions[0]);
+  }
+  if (next.variable != none) walk_.values.declare(next.variable, condition);
+  writer_.branch_on(
+      ExpressionWalker::truth(condition), next.place, [&] { walk(next.blocks[0]); },
+      [&] { walk(next.blocks[1]); });
+}
+
+// Any case is gone to, and falls into the next one.
+void StatementWalker::choice(const Statement& next) {
+  for (const Expression& expression : next.expressions) walk_.expressions->evaluate(expression);
+  const std::string leave = writer_.fresh("b"), entered = writer_.fresh("e");
+  loops_.emplace_back(leave, loops_.empty() ? "" : loops_.back().second);
+  writer_.set(leave, "false");
+  writer_.set(entered, "false");
+  {
+    const CodeWriter::Scope scope(writer_);
+    const std::set<std::string> before = writer_.raised();
+    for (std::size_t i = 0; i < next.blocks.size(); ++i) {
+      const bool is_last = next.has_default && i + 1 == next.blocks.size();
+      const auto enter = [&] { writer_.set(entered, "true"); };
+      writer_.branch_on(
+          "!" + entered, next.place,
+          [&] { is_last ? enter() : writer_.either(next.place, enter, do_nothing); }, do_nothing);
+      writer_.branch_on(
+          entered, next.place, [&] { walk(next.blocks[i]); }, do_nothing);
+      writer_.guard_rest(before);
+    }
+  }
+  loops_.pop_back();
+  writer_.lower(leave);
+}
+
+// What is thrown goes to any of the handlers; to none, unless the last one takes everything.
+void StatementWalker::attempt(const Statement& next) {
+  const std::string thrown = writer_.fresh("t");
+  writer_.set(thrown, "false");
+  const std::string outer = std::exchange(writer_.throw_flag(), thrown);
+  ++writer_.tries();
+  walk(next.blocks[0]);
+  --writer_.tries();
+  writer_.throw_flag() = outer;
+  if (!writer_.raised().contains(thrown)) return;
+  writer_.lower(thrown);
+  const std::size_t handlers = next.blocks.size();
+  const std::function<void(std::size_t)> handle = [&](std::size_t i) {
+    if (i == handlers) return writer_.raise(writer_.throw_flag());
+    if (i + 1 == handlers && next.has_default) return walk(next.blocks[i]);
+    writer_.either(
+        next.place, [&] { walk(next.blocks[i]); }, [&] { handle(i + 1); });
+  };
+  writer_.branch_on(
+      thrown, next.place, [&] { handle(1); }, do_nothing);
+}
+
+// ---- Loops ----
+
+void StatementWalker::loop_variable(const Statement& next) {
+  const Value container = walk_.expressions->evaluate(next.expressions[0]);
+  if (container.matters()) {
+    writer_.hole(next.place, "a loop over what is not known", true);
+  }
+  if (next.variable == none) return;
+  const std::string type = class_of_type(walk_.variable(next.variable).type);
+  const std::string inner = class_of_type(template_arguments(container.type));
+  walk_.values.declare(next.variable, data_value(type != "auto"                    ? type
+                                                 : is_message_type(container.type) ? "message"
+                                                 : inner.empty()                   ? "?"
+                                                                                   : inner));
+}
+
+Value StatementWalker::leave_unless(const Expression& condition, const Place& place,
+                                    bool is_finite) {
+  const Value value = walk_.expressions->evaluate(condition);
+  const std::string truth = ExpressionWalker::truth(value);
+  if (is_finite && truth.empty()) {
+    writer_.branch_on(
+        "fair *", place, [&] { writer_.append(leave_loop()); }, do_nothing);
+  } else {
+    writer_.branch_on(truth, place, do_nothing, [&] { writer_.append(leave_loop()); });
+  }
+  return value;
+}
+
+void StatementWalker::write_body(const Statement& next, const std::string& again,
+                                 const std::set<std::string>& before) {
+  walk(next.blocks.back());
+  writer_.lower(again);
+  std::string out;
+  for (const std::string& flag : writer_.raised()) {
+    if (!before.contains(flag)) out += (out.empty() ? "" : " || ") + flag;
+  }
+  if (out.empty()) return;
+  writer_.branch_on(
+      out, next.place, [&] { writer_.append(leave_loop()); }, do_nothing);
+}
+
+// loop { if (!condition) { break; } body; if (left) { break; } step }
+void StatementWalker::loop(const Statement& next) {
+  const CodeWriter::Scope scope(writer_);
+  const bool is_for = next.kind == Statement::Kind::loop;
+  if (is_for) walk(next.blocks[0]);
+  walk_.values.forget_what_is_set_in(next);
+  if (next.kind == Statement::Kind::range) loop_variable(next);
+  const bool is_finite = is_finite_loop(next, walk_.sources);
+  const std::string leave = writer_.fresh("b"), again = writer_.fresh("c");
+  const std::set<std::string> before = writer_.raised();
+  Code code;
+  code.kind = Code::Kind::loop;
+  code.place = next.place;
+  code.arms.resize(1);
+  Value condition;
+  loops_.emplace_back(leave, again);
+  writer_.enter_condition();
+  code.arms[0].code = writer_.aside([&] {
+    const CodeWriter::Scope inner(writer_);
+    writer_.set(leave, "false");
+    writer_.set(again, "false");
+    if (is_for && next.expressions[0].kind != Form::nothing) {
+      condition = leave_unless(next.expressions[0], next.place, is_finite);
+    }
+    if (next.kind == Statement::Kind::range) {
+      writer_.branch_on(
+          is_finite ? "fair *" : "", next.place, [&] { writer_.append(leave_loop()); }, do_nothing);
+    }
+    write_body(next, again, before);
+    if (is_for) walk_.expressions->evaluate(next.expressions[1]);
+    if (next.kind == Statement::Kind::repeat) {
+      condition = leave_unless(next.expressions[0], next.place, false);
+    }
+  });
+  writer_.leave_condition();
+  loops_.pop_back();
+  writer_.lower(leave);
+  finish_loop(next, std::move(code), condition, writer_.raised() != before);
+}
+
+// A loop that does nothing is left out if it is sure to end. `while (!there) { }` is a wait.
+void StatementWalker::finish_loop(const Statement& next, Code code, const Value& condition,
+                                  bool raises) {
+  std::vector<Code>& body = code.arms[0].code;
+  const bool is_idle = !has_steps(body);
+  if (is_idle && !raises && condition.presence.starts_with('!')) {
+    return writer_.emit("wait " + condition.presence.substr(1) + " -> there;", next.place);
+  }
+  if (is_idle && !raises && is_finite_loop(next, walk_.sources)) return;
+  if (is_idle) {  // it may go round for ever: a choice is a step
+    Code rest;
+    rest.kind = Code::Kind::branch;
+    rest.text = "*";
+    rest.place = next.place;
+    rest.arms.resize(1);
+    Code skip;
+    skip.text = "skip;";
+    rest.arms[0].code.push_back(skip);
+    body.push_back(std::move(rest));
+  }
+  writer_.append(std::move(code));
+}
+
+}  // namespace maide::extract

@@ -1,0 +1,85 @@
+// What the walkers share while they go through functions as they would run.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "maide/extract/api_table.hpp"
+#include "maide/extract/code_writer.hpp"
+#include "maide/extract/model.hpp"
+#include "maide/extract/name_lookup.hpp"
+#include "maide/extract/sources.hpp"
+#include "maide/extract/value_store.hpp"
+
+namespace maide::extract {
+
+class CallWalker;
+class ExpressionWalker;
+class ObjectMaker;
+class RowReader;
+class StatementWalker;
+
+struct Walk {
+  Walk(const Sources& all_sources, const ApiTable& api, Model& found, std::set<std::string>& mixed)
+      : sources(all_sources),
+        table(api),
+        model(found),
+        names(sources, table),
+        writer(model),
+        values(sources, model, writer, mixed) {}
+
+  const Sources& sources;
+  const ApiTable& table;
+  Model& model;
+  NameLookup names;
+  CodeWriter writer;
+  ValueStore values;
+  std::set<int> read;       // functions that were gone through
+  std::set<int> main_uses;  // nodes whose ends main uses
+  int main_executor = none;
+  int acting_calls = 0;  // of the statement: those of rows that did something
+
+  StatementWalker* statements = nullptr;
+  ExpressionWalker* expressions = nullptr;
+  CallWalker* calls = nullptr;
+  ObjectMaker* objects = nullptr;
+  RowReader* rows = nullptr;
+
+  const Variable& variable(int index) const {
+    return sources.variables[static_cast<std::size_t>(index)];
+  }
+  const Function& function(int index) const {
+    return sources.functions[static_cast<std::size_t>(index)];
+  }
+  Entity& entity(int index) { return model.entities[static_cast<std::size_t>(index)]; }
+  Object& object(int index) { return model.objects[static_cast<std::size_t>(index)]; }
+  int node_of(const Value& value) {
+    return value.kind == Value::Kind::object ? object(value.index).node : none;
+  }
+};
+
+inline Value data_value(std::string type = {}) {
+  Value value;
+  value.type = std::move(type);
+  return value;
+}
+
+inline Value unknown_value() { return data_value("?"); }
+
+inline std::string negation(const std::string& condition) {
+  if (condition.empty()) return {};
+  if (condition == "true") return "false";
+  if (condition == "false") return "true";
+  return "!(" + condition + ")";
+}
+
+inline bool any_matters(const std::vector<Value>& values) {
+  for (const Value& value : values) {
+    if (value.matters()) return true;
+  }
+  return false;
+}
+
+}  // namespace maide::extract
