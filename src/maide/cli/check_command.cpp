@@ -13,6 +13,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "maide/base/file.hpp"
@@ -25,6 +26,8 @@
 #include "maide/cli/command.hpp"
 #include "maide/cli/command_line.hpp"
 #include "maide/cli/mpi.hpp"
+#include "maide/cli/source_arguments.hpp"
+#include "maide/extract/extract.hpp"
 #include "maide/formats/model_file.hpp"
 #include "maide/join/check_every.hpp"
 #include "maide/join/check_system_file.hpp"
@@ -45,7 +48,9 @@ namespace maide::cli {
 namespace {
 
 struct CheckArguments {
-  std::string system;
+  std::vector<std::string> files;  // a system file, or sources
+  std::string system;              // the first of them
+  SourceArguments sources;
   std::string engine = "native";
   std::string reduction = "none";
   std::vector<std::string> properties;
@@ -363,6 +368,91 @@ ExitStatus run_every(const CheckArguments& arguments, Engine& engine, const Chec
   return exit_status_of(checked);
 }
 
+// ---- C++ sources ----
+
+// What needs a system file that stays.
+void refuse_beside_sources(const CheckArguments& arguments) {
+  const char* const other = !arguments.trace.empty()   ? "--trace"
+                            : !arguments.every.empty() ? "--every"
+                            : arguments.suggest        ? "--suggest"
+                            : arguments.refine         ? "--refine"
+                                                       : nullptr;
+  if (other == nullptr) return;
+  throw UsageError(std::string(other) + " needs a system file: `maide extract` writes it");
+}
+
+// Where nothing tells how many threads run the nodes, the numbers of them that are tried.
+std::vector<std::vector<std::string>> settings_to_try(const extract::Extracted& found,
+                                                      const CheckArguments& arguments) {
+  const bool has_threads = std::ranges::find(found.constants, "threads") != found.constants.end();
+  const bool has_cores = std::ranges::find(found.constants, "cores") != found.constants.end();
+  if (!arguments.settings.empty() || (!has_threads && !has_cores)) return {arguments.settings};
+  std::vector<std::vector<std::string>> all;
+  for (const char* number : {"1", "2", "4"}) {
+    std::vector<std::string> settings;
+    if (has_threads) settings.push_back(std::string("threads=") + number);
+    // rclcpp takes the machine's processors, and two of them at least.
+    if (has_cores) settings.push_back(std::string("cores=") + (*number == '1' ? "2" : number));
+    if (all.empty() || all.back() != settings) all.push_back(settings);
+  }
+  return all;
+}
+
+std::string describe_sources(const extract::Extracted& found) {
+  std::string text = fmt::format("read: {} from {}, {}\n", counted(found.nodes, "node"),
+                                 counted(found.files, "file"), counted(found.holes.size(), "hole"));
+  text += describe_holes(found);
+  for (const std::string& assumption : found.assumptions) {
+    text += "  taken for granted: " + assumption + "\n";
+  }
+  return text;
+}
+
+int badness(Verdict verdict) {
+  return verdict == Verdict::violated ? 2 : verdict == Verdict::inconclusive ? 1 : 0;
+}
+
+ExitStatus run_check_of_sources(const CheckArguments& arguments, Engine& engine,
+                                const CheckRequest& request, Context& context) {
+  refuse_beside_sources(arguments);
+  const extract::Extracted found = extract_sources(arguments.files, arguments.sources, context);
+  Speaker speaker(context, arguments.junit == "-");
+  speaker.say(describe_sources(found));
+  const ModelSource models = make_learning_source(learning_options(arguments, context.control()));
+  const std::string name = arguments.system + " (what was extracted)";
+  std::optional<CheckedSystem> worst;
+  Json tried = Json::array();
+  for (const std::vector<std::string>& settings : settings_to_try(found, arguments)) {
+    if (!settings.empty()) speaker.say(fmt::format("with {}:\n", join(settings)));
+    CheckedSystem checked =
+        check_system_text(found.system, name, engine, request, models, parse_settings(settings));
+    for (const std::string& remark : all_remarks(checked.system, checked.report)) {
+      log_note(remark);
+    }
+    speaker.say(checked.system, checked.report, trace_style(arguments.trace_format));
+    tried.push_back({{"settings", settings}, {"verdict", to_string(checked.report.verdict)}});
+    const bool is_worse =
+        !worst || badness(checked.report.verdict) > badness(worst->report.verdict);
+    if (is_worse) worst = std::move(checked);
+  }
+  Json json = report_to_json(worst->system, worst->report);
+  json["extracted"] = {{"system", found.system},
+                       {"nodes", found.nodes},
+                       {"files", found.files},
+                       {"holes", holes_to_json(found)},
+                       {"assumptions", found.assumptions},
+                       {"tried", tried}};
+  context.set_result(json);
+  write_beside(arguments.report, [&] {
+    write_report_file(arguments.report, worst->system, worst->report, request.options.control);
+  });
+  if (const auto failure = write_suite(arguments.junit, worst->system, worst->report)) {
+    return context.fail(*failure, ExitStatus::usage);
+  }
+  const ExitStatus status = exit_status_of(worst->report);
+  return status == ExitStatus::ok && !found.is_whole() ? ExitStatus::inconclusive : status;
+}
+
 ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   const std::unique_ptr<Ranks> ranks = open_ranks();
   if (ranks != nullptr && ranks->rank() > 0) {
@@ -401,6 +491,13 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   request.options.checkpoint_seconds = arguments.checkpoint_seconds;
   if (arguments.memory_mib > 0) request.options.memory_mib = arguments.memory_mib;
   if (arguments.seconds > 0) request.options.control.deadline = deadline_in(arguments.seconds);
+  if (std::ranges::all_of(arguments.files, names_sources)) {
+    request.finds_races = true;
+    return run_check_of_sources(arguments, *engine, request, context);
+  }
+  if (arguments.files.size() > 1) {
+    throw UsageError("one system file, or C++ sources (" + join(arguments.files) + ")");
+  }
   if (!arguments.every.empty()) return run_every(arguments, *engine, request, context);
   request.finds_races = true;
   RefinedCheck checked = check(arguments, *engine, request);
@@ -439,7 +536,9 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
 
 RunFunction set_up_check(CommandLine& line) {
   auto arguments = std::make_shared<CheckArguments>();
-  line.add("SYSTEM", arguments->system, "A system file (YAML): models, programs, properties")
+  line.add("SYSTEM", arguments->files,
+           "A system file (YAML): models, programs, properties; or C++ sources of ROS 2 nodes, "
+           "which `maide extract` reads first")
       .required();
   line.add(
           "--engine", arguments->engine,
@@ -522,7 +621,11 @@ RunFunction set_up_check(CommandLine& line) {
   line.add("--refinements", arguments->refinements,
            "Most refinements of --refine. Then the verdict is inconclusive")
       .between(1, 1'000'000);
-  return [arguments](Context& context) { return run_check(*arguments, context); };
+  add_source_options(line, arguments->sources);
+  return [arguments](Context& context) {
+    arguments->system = arguments->files.front();
+    return run_check(*arguments, context);
+  };
 }
 
 }  // namespace maide::cli

@@ -42,6 +42,12 @@ void ApiTable::read(const std::filesystem::path& file) {
       if (row.means != "inert") active_names_.insert(last_part(name));
     });
   }
+  if (const YamlNode* macros = document.root.find("macros")) {
+    for (const YamlEntry& entry : macros->entries) {
+      macro_definitions_ += "#define " + entry.key.value + " " + entry.value.value + "\n";
+      macro_names_.insert(entry.key.value.substr(0, entry.key.value.find('(')));
+    }
+  }
   const YamlNode* classes = document.root.find("classes");
   if (classes == nullptr) return;
   for (const YamlEntry& entry : classes->entries) {

@@ -4,6 +4,7 @@
 //   classes:
 //     rclcpp::Publisher: {publish: publish, get_topic_name: inert std::string}
 //   functions: {"rclcpp::ok": ok}
+//   macros: {"RCLCPP_DISABLE_COPY(...)": ""}
 //
 // A row says what is done, and the class of what comes back. Rows go by the full name with its
 // class: no bare name means anything.
@@ -31,6 +32,9 @@ class ApiTable {
   const ApiRow* find_function(const std::string& full_name) const;
   // Also of the classes that the table says it derives from (`is`).
   const ApiRow* find_method(const std::string& of_class, const std::string& name) const;
+  // Macros of libraries: their `#define` lines, and their names.
+  const std::string& macro_definitions() const { return macro_definitions_; }
+  const std::set<std::string>& macro_names() const { return macro_names_; }
   bool has_class(const std::string& name) const { return classes_.contains(name); }
   // Names in whose absence code cannot communicate: of all rows that are not inert.
   const std::set<std::string>& active_names() const { return active_names_; }
@@ -41,6 +45,8 @@ class ApiTable {
   std::map<std::string, std::map<std::string, ApiRow>> classes_;
   std::map<std::string, std::string> bases_;
   std::set<std::string> active_names_;
+  std::string macro_definitions_;
+  std::set<std::string> macro_names_;
 };
 
 // The tables that come with Maide.

@@ -64,9 +64,10 @@ std::string CodeWriter::fresh(const std::string& stem, std::vector<std::string> 
 
 void CodeWriter::hole(const Place& place, const std::string& text, bool escapes) {
   if (silent_ > 0) return;
-  ++written_;
   const bool is_placed = phase_ == Phase::callback && !blocks_.empty();
+  const std::size_t written = written_;
   if (is_placed) emit("unknown;", place);
+  written_ = written;
   const Hole found{text, place, is_placed && !escapes};
   if (std::ranges::find(model_.holes, found) == model_.holes.end()) model_.holes.push_back(found);
 }

@@ -179,19 +179,17 @@ int Communication::client_of_last(const Value& future, const Place& place) {
     writer_.hole(place, "a wait for a future that is not known", false);
     return none;
   }
+  // A future is known only where its request was sent on every way, so it is none here. Another
+  // request may have come since.
   const std::string name = variable_of(future);
   const auto others = std::ranges::count_if(futures_, [&](const auto& other) {
     return other.second.client == found->second.client && other.second.program == writer_.program();
   });
-  writer_.branch_on(
-      name + " == none || " + name + " == old", place,
-      [&] {
-        if (others > 1)
-          writer_.hole(place, "a future whose request is not the last", false);
-        else
-          writer_.emit("unknown;", place);
-      },
-      do_nothing);
+  if (others > 1) {
+    writer_.branch_on(
+        name + " == none || " + name + " == old", place,
+        [&] { writer_.hole(place, "a future whose request is not the last", false); }, do_nothing);
+  }
   return found->second.client;
 }
 

@@ -25,6 +25,7 @@ class Pass {
     find_mains();
     make_components();
     run_callbacks();
+    run_watchers();
     look_at_the_rest();
     std::ranges::sort(model_.holes);
     return std::move(model_);
@@ -107,19 +108,65 @@ class Pass {
 
   // ---- Nodes that something outside makes ----
 
+  bool is_base(const Class& entry) const {
+    return std::ranges::any_of(sources_.classes, [&](const auto& other) {
+      return std::ranges::any_of(other.second.bases, [&](const std::string& base) {
+        return walker_.names().find_class(base, outer_part(other.first)) == &entry;
+      });
+    });
+  }
+
+  bool is_made(const std::string& name) const {
+    return std::ranges::any_of(model_.objects,
+                               [&](const Object& object) { return object.of_class == name; });
+  }
+
   void make_components() {
     for (const auto& named : sources_.classes) {
-      const std::string& name = named.first;
+      const bool is_node = walker_.names().is_node_class(named.first);
+      if (is_node && !is_made(named.first) && !is_base(named.second)) {
+        walker_.make_alone(named.second);
+      }
+    }
+    for (const auto& named : sources_.classes) {
       const Class& entry = named.second;
-      if (!walker_.names().is_node_class(name)) continue;
-      const bool is_made = std::ranges::any_of(
-          model_.objects, [&](const Object& object) { return object.of_class == name; });
-      const bool is_base = std::ranges::any_of(sources_.classes, [&](const auto& other) {
-        return std::ranges::any_of(other.second.bases, [&](const std::string& base) {
-          return walker_.names().find_class(base, outer_part(other.first)) == &entry;
-        });
-      });
-      if (!is_made && !is_base) walker_.make_alone(entry);
+      if (!is_made(named.first) && !is_base(entry) && makes_ends(entry)) make_part(entry);
+    }
+  }
+
+  // Whether code of the class and its bases names what makes an end.
+  bool makes_ends(const Class& entry) const {
+    static const std::set<std::string> makers{"create_publisher", "create_subscription",
+                                              "create_service", "create_client",
+                                              "create_wall_timer"};
+    const std::string text = sources_.text_of(entry);
+    return std::ranges::any_of(
+        makers, [&](const std::string& maker) { return text.find(maker) != std::string::npos; });
+  }
+
+  // A class that is no node and has one, such as a plugin. Nothing here makes it; it is looked at
+  // as if somebody made it once.
+  void make_part(const Class& entry) {
+    const std::size_t entities = model_.entities.size(), nodes = model_.nodes.size(),
+                      holes = model_.holes.size(), threads = model_.threads.size();
+    const std::set<int> read = walker_.read_functions();
+    Program program = walker_.make_alone(entry);
+    const bool has_ends = std::any_of(
+        model_.entities.begin() + static_cast<std::ptrdiff_t>(entities), model_.entities.end(),
+        [](const Entity& entity) { return entity.node != none; });
+    if (!has_ends) {
+      model_.entities.resize(entities);
+      walker_.restore_read_functions(read);
+      model_.nodes.resize(nodes);
+      model_.holes.resize(holes);
+      model_.threads.resize(threads);
+      return;
+    }
+    hole(entry.name + " is made by nothing here: taken as made once", entry.place);
+    if (model_.nodes.size() == nodes + 1) {
+      model_.nodes.back().start = std::move(program);
+    } else if (has_steps(program.code)) {
+      hole("a constructor that communicates: " + entry.name, entry.place);
     }
   }
 
@@ -195,6 +242,21 @@ class Pass {
     choice.arms = {{"", std::move(all.code)}, {"", std::move(program.code)}};
     all.code = {std::move(choice)};
     all.variables.insert(all.variables.end(), program.variables.begin(), program.variables.end());
+  }
+
+  void run_watchers() {
+    for (std::size_t i = 0; i < model_.watchers.size(); ++i) {
+      const Watcher watcher = model_.watchers[i];
+      const Callable& callable = *watcher.function.callable;
+      const Function& function = sources_.functions[static_cast<std::size_t>(callable.function)];
+      std::vector<Value> arguments(function.parameters.size());
+      for (std::size_t k = 0; k < arguments.size(); ++k) {
+        arguments[k].type = class_of_type(function.parameter_types[k]);
+      }
+      const Program program = walker_.run(watcher.function, arguments, Phase::unreached, none);
+      if (has_steps(program.code))
+        hole("a callback of a library that does something", watcher.place);
+    }
   }
 
   // ---- What no entry reaches ----

@@ -118,12 +118,22 @@ Value ExpressionWalker::name(const Expression& expression) {
   if (const Value found = function_of_name(expression); found.kind == Value::Kind::callable) {
     return found;
   }
+  if (const ApiRow* row = find_row(expression.text)) {
+    if (row->means == "inert") return data_value(row->returns);
+    writer_.hole(expression.place, expression.text + " that is handed on", true);
+    return unknown_value();
+  }
   const Value& self = walk_.values.frame().self;
   const bool is_field =
       self.kind == Value::Kind::object && walk_.object(self.index).fields.contains(expression.text);
   if (is_field) return walk_.values.read_field(self.index, expression.text, none);
   // An enumerator, or a constant of a library: a value that nobody calls.
   return unknown_value();
+}
+
+const ApiRow* ExpressionWalker::find_row(const std::string& text) const {
+  if (const ApiRow* row = walk_.table.find_function(text)) return row;
+  return walk_.table.find_method(outer_part(text), last_part(text));
 }
 
 // `&A::tick`, or a free function that is handed on.
@@ -149,7 +159,9 @@ Value ExpressionWalker::function_of_name(const Expression& expression) {
 Value ExpressionWalker::member(const Expression& expression) {
   const Value of = evaluate(expression.operands[0]);
   if (of.kind == Value::Kind::object) {
-    return walk_.values.read_field(of.index, expression.text, expression.variable);
+    Value value = walk_.values.read_field(of.index, expression.text, expression.variable);
+    if (value.type == "?" && of.type.ends_with("Options")) value.type.clear();
+    return value;
   }
   if (of.kind == Value::Kind::future && expression.text == "future") return of;
   if (is_message_type(of.type)) return data_value("message");

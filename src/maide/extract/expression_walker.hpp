@@ -28,6 +28,7 @@ class ExpressionWalker {
 
  private:
   Value name(const Expression& expression);
+  const ApiRow* find_row(const std::string& text) const;
   Value function_of_name(const Expression& expression);
   Value member(const Expression& expression);
   Slot slot(const Expression& expression);

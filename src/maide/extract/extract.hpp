@@ -1,6 +1,7 @@
 // C++ sources of ROS 2 nodes as a system file. What has no rule is a hole, and said.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct Extracted {
   std::vector<Hole> holes;
   std::vector<std::string> assumptions;  // that nobody made, and without which it may be wrong
   std::size_t files = 0, nodes = 0;
+  std::vector<std::string> constants;  // numbers of threads that nothing tells
+  std::map<Place, std::string> lines;  // of the sources, where holes are
   bool is_whole() const { return holes.empty() && assumptions.empty(); }
 };
 

@@ -1,7 +1,5 @@
 #include "maide/extract/front_end.hpp"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -31,33 +29,13 @@ const std::set<std::string> known_versions{"2.10"};
 
 void check_version(const RunControl& control) {
   const SubprocessResult result = run_program({"cppcheck", "--version"}, {}, control);
-  const std::string version =
-      result.out.substr(0, result.out.find_first_of("\n")).substr(std::string("Cppcheck ").size());
+  const std::string line = result.out.substr(0, result.out.find('\n'));
+  const std::string version = line.substr(line.rfind(' ') + 1);
   if (!result.succeeded() || !known_versions.contains(version)) {
     throw UsageError("cppcheck " + version + " is of no version whose dumps are known (2.10 of " +
                      "Debian 12 is)");
   }
 }
-
-// A folder of our own that is gone when we are done.
-class OwnFolder {
- public:
-  OwnFolder() {
-    std::string name = (fs::temp_directory_path() / "maide-extract-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw UsageError("no folder can be made (" + name + ")");
-    path_ = name;
-  }
-  ~OwnFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::vector<std::string> words_of(const std::string& directive) {
   std::vector<std::string> words;
@@ -76,7 +54,10 @@ std::vector<std::string> words_of(const std::string& directive) {
 // Whether the first condition is the guard of a header: `#ifndef NAME`, `#define NAME`, and an
 // `#endif` behind everything, with no other side.
 bool has_guard(const LexedFile& lexed) {
-  const auto& directives = lexed.directives;
+  auto directives = lexed.directives;
+  while (!directives.empty() && directives[0].second.find("pragma") < 5) {
+    directives.erase(directives.begin());
+  }
   if (directives.size() < 3) return false;
   const auto first = words_of(directives[0].second), second = words_of(directives[1].second);
   if (first.size() != 2 || first[0] != "ifndef" || second.size() < 2 || second[0] != "define" ||
@@ -109,17 +90,32 @@ std::set<int> lines_of_conditions(const LexedFile& lexed) {
       if (!open.empty() && open.back() > 0) found.insert(open.back());
     }
   };
-  const bool is_guarded = has_guard(lexed);
+  bool is_guarded = has_guard(lexed);
   for (std::size_t i = 0; i < lexed.directives.size(); ++i) {
     const auto& [line, directive] = lexed.directives[i];
     pass(line);
     const auto words = words_of(directive);
     const std::string word = words.empty() ? "" : words[0];
-    if (word.starts_with("if")) open.push_back(is_guarded && i == 0 ? 0 : line);
+    if (word.starts_with("if")) open.push_back(std::exchange(is_guarded, false) ? 0 : line);
     if (word.starts_with("el") && !open.empty()) open.back() = line;
     if (word == "endif" && !open.empty()) open.pop_back();
   }
   return found;
+}
+
+// Where the package of a file (it has a package.xml) keeps its headers.
+std::vector<fs::path> folders_of_package(const fs::path& file) {
+  std::error_code error;
+  for (fs::path folder = fs::absolute(file).parent_path(); folder.has_relative_path();
+       folder = folder.parent_path()) {
+    if (!fs::exists(folder / "package.xml", error)) continue;
+    std::vector<fs::path> found;
+    for (const char* name : {"include", "src"}) {
+      if (fs::is_directory(folder / name, error)) found.push_back(folder / name);
+    }
+    return found;
+  }
+  return {};
 }
 
 class FrontEnd {
@@ -132,24 +128,9 @@ class FrontEnd {
     sources.texts[file.string()] = text;
     const fs::path copy = folder_.path() / file.filename();
     write_file_atomically(copy.string(), prepare_cpp(text, sources.components));
-    std::vector<std::string> command{"cppcheck",
-                                     "--dump",
-                                     "--quiet",
-                                     "--force",
-                                     "--std=c++17",
-                                     "--language=c++",
-                                     "-I" + fs::absolute(file).parent_path().string()};
-    for (const std::string& include : options_.include_folders) command.push_back("-I" + include);
-    command.push_back(copy.string());
-    const SubprocessResult result = run_program(command, {}, control_);
-    note_messages(result.err, file, sources);
-    const fs::path dump = copy.string() + ".dump";
-    if (!result.succeeded() || !fs::exists(dump)) {
-      sources.faults.emplace_back(Place{file.string(), 1}, "the front end refuses this file");
-      return;
-    }
-    take(read_cppcheck_dump(read_file(dump.string()), file.string()), copy, file, sources);
-    fs::remove(dump);
+    // Without the package's headers where these cannot be read: what they have is not known then.
+    if (read_copy(file, copy, folders_of_package(file), sources)) return;
+    read_copy(file, copy, {}, sources);
   }
 
   // Every call of the text is in some dump.
@@ -163,6 +144,7 @@ class FrontEnd {
       }
       std::set<std::string> macros(lexed.macros.begin(), lexed.macros.end());
       macros.insert(lexed.aliases.begin(), lexed.aliases.end());
+      macros.insert(options_.macro_names.begin(), options_.macro_names.end());
       std::map<Mention, int> counts;
       for (const Mention& call : lexed.calls) {
         if (!macros.contains(std::get<2>(call)) &&
@@ -180,6 +162,36 @@ class FrontEnd {
   }
 
  private:
+  bool read_copy(const fs::path& file, const fs::path& copy, const std::vector<fs::path>& folders,
+                 Sources& sources) {
+    const fs::path macros = folder_.path() / "macros.h";
+    write_file_atomically(macros.string(), options_.macro_definitions);
+    std::vector<std::string> command{"cppcheck",
+                                     "--dump",
+                                     "--quiet",
+                                     "--force",
+                                     "--std=c++17",
+                                     "--language=c++",
+                                     "--include=" + macros.string(),
+                                     "-I" + fs::absolute(file).parent_path().string()};
+    for (const std::string& include : options_.include_folders) command.push_back("-I" + include);
+    for (const fs::path& include : folders) command.push_back("-I" + include.string());
+    command.push_back(copy.string());
+    const SubprocessResult result = run_program(command, {}, control_);
+    note_messages(result.err, file, sources);
+    const fs::path dump = copy.string() + ".dump";
+    try {
+      if (result.succeeded() && fs::exists(dump)) {
+        take(read_cppcheck_dump(read_file(dump.string()), file.string()), copy, file, sources);
+        fs::remove(dump);
+        return true;
+      }
+    } catch (const ParseError&) {  // it breaks off where the front end gave up
+    }
+    sources.faults.emplace_back(Place{file.string(), 1}, "the front end refuses this file");
+    return false;
+  }
+
   void note_messages(const std::string& messages, const fs::path& file, Sources& sources) {
     for (const std::string_view line : split_lines(messages)) {
       // What a style checker complains of says nothing about how it was read.
@@ -211,7 +223,7 @@ class FrontEnd {
 
   const FrontEndOptions& options_;
   const RunControl& control_;
-  OwnFolder folder_;
+  TempDir folder_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ namespace maide::extract {
 
 struct FrontEndOptions {
   std::vector<std::string> include_folders;
+  std::string macro_definitions;  // lines of `#define`, in front of each file
+  std::set<std::string> macro_names;
   std::function<void(std::size_t done, std::size_t of, const std::string& file)> progress;
 };
 

@@ -120,6 +120,12 @@ class Pieces {
   bool is_line_start_ = true;
 };
 
+// PRId64 and the like: they stand between strings.
+bool is_format_word(std::string_view word) {
+  return word.size() > 4 && word.starts_with("PRI") &&
+         std::string_view("diouxX").find(word[3]) != std::string_view::npos;
+}
+
 }  // namespace
 
 LexedFile lex_cpp(std::string_view text, const std::string& file) {
@@ -189,6 +195,9 @@ std::string prepare_cpp(std::string_view text, std::vector<std::string>& compone
         for (std::size_t k = end - suffix.size(); k < end; ++k) prepared[k] = ' ';
         break;
       }
+    }
+    if (pieces[i].kind == Piece::Kind::word && is_format_word(word_of(i))) {
+      for (std::size_t k = pieces[i].begin; k < pieces[i].end; ++k) prepared[k] = ' ';
     }
     if (pieces[i].kind != Piece::Kind::word || word_of(i) != "RCLCPP_COMPONENTS_REGISTER_NODE") {
       continue;

@@ -142,6 +142,12 @@ struct Executor {
   Place place;
 };
 
+// A function that a library calls when it likes.
+struct Watcher {
+  Value function;
+  Place place;
+};
+
 struct Hole {
   std::string text;
   Place place;
@@ -155,6 +161,7 @@ struct Model {
   std::vector<Node> nodes;
   std::vector<Executor> executors;
   std::vector<Thread> threads;
+  std::vector<Watcher> watchers;
   std::map<int, Program> programs;  // of entities with callbacks
   std::vector<Hole> holes;
   std::vector<std::string> remarks;

@@ -38,7 +38,12 @@ std::vector<std::string> NameLookup::scopes_around(const std::string& scope) con
     scopes.push_back(at);
     const auto found = sources_.classes.find(at);
     if (found == sources_.classes.end()) continue;
-    for (const std::string& base : found->second.bases) scopes.push_back(base);
+    for (const std::string& base : found->second.bases) {
+      for (std::string around = outer_part(at);; around = outer_part(around)) {
+        scopes.push_back(around.empty() ? base : around + "::" + base);
+        if (around.empty()) break;
+      }
+    }
   }
   scopes.emplace_back();
   for (const std::string& used : sources_.namespaces) scopes.push_back(used);

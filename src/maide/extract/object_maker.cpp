@@ -204,36 +204,39 @@ void ObjectMaker::run_initialisers(const Value& self, const Class& entry, const 
                         initialiser);
     }
     if (is_member) continue;
-    base = walk_.names.find_class(initialiser.member, entry.name);
-    if (base != nullptr) {
-      initialised.insert(base->name);
-      initialise_base(self, *base, initialiser);
-      continue;
+    for (const std::string& name : entry.bases) {
+      const bool is_named = last_part(name) == last_part(initialiser.member);
+      if (is_named) base = walk_.names.find_class(name, outer_part(entry.name));
     }
-    const std::vector<Value> values =
-        walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place);
-    const bool is_node_base = walk_.names.api_base(entry.name) == "rclcpp::Node" &&
-                              last_part(initialiser.member) == "Node";
-    const bool is_named = !values.empty() && values[0].kind == Value::Kind::text;
-    if (is_node_base && is_named) {
-      Node& node = walk_.model.nodes[static_cast<std::size_t>(walk_.node_of(self))];
-      node.name = values[0].text;
-      if (values.size() > 1 && values[1].kind == Value::Kind::text) node.space = values[1].text;
-    } else if (!is_node_base && (values.empty() ? false : any_matters(values))) {
-      writer_.hole(initialiser.place, "an end is given to " + initialiser.member, true);
+    const bool is_own = last_part(initialiser.member) == last_part(entry.name);
+    if (is_own) {
+      writer_.hole(initialiser.place, "a constructor that calls another one", true);
+    } else if (base != nullptr) {
+      initialised.insert(base->name);
+      fill(self, *base, walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place),
+           initialiser.place);
+    } else {
+      initialise_api_base(self, entry, initialiser);
     }
   }
 }
 
-void ObjectMaker::initialise_base(const Value& self, const Class& base,
-                                  const Initialiser& initialiser) {
-  const bool is_own = &base == walk_.names.find_class(self.type, "");
-  if (is_own) {  // a constructor that calls another one of its class
-    writer_.hole(initialiser.place, "a constructor that calls another one", true);
-    return;
+void ObjectMaker::initialise_api_base(const Value& self, const Class& entry,
+                                      const Initialiser& initialiser) {
+  const std::vector<Value> values =
+      walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place);
+  const bool is_node = last_part(initialiser.member) == "Node" && walk_.node_of(self) != none &&
+                       std::ranges::find(entry.bases, "rclcpp::Node") != entry.bases.end();
+  if (!is_node) {
+    return writer_.hole(initialiser.place, "a base or member " + initialiser.member,
+                        any_matters(values));
   }
-  fill(self, base, walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place),
-       initialiser.place);
+  Node& node = walk_.model.nodes[static_cast<std::size_t>(walk_.node_of(self))];
+  const auto is_text = [&](std::size_t i) {
+    return values.size() > i && values[i].kind == Value::Kind::text;
+  };
+  if (is_text(0)) node.name = values[0].text;
+  if (is_text(1)) node.space = values[1].text;
 }
 
 void ObjectMaker::initialise_member(const Value& self, const Variable& member,

@@ -31,7 +31,7 @@ class ObjectMaker {
   void fill(const Value& self, const Class& entry, const Arguments& arguments, const Place& place);
   void run_initialisers(const Value& self, const Class& entry, const Function& maker,
                         std::set<std::string>& initialised);
-  void initialise_base(const Value& self, const Class& base, const Initialiser& initialiser);
+  void initialise_api_base(const Value& self, const Class& entry, const Initialiser& initialiser);
   void initialise_member(const Value& self, const Variable& member, std::vector<Value> values,
                          const Initialiser& initialiser);
   void default_members(const Value& self, const Class& entry,

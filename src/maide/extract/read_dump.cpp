@@ -319,6 +319,13 @@ class ConfigurationReader {
     }
   }
 
+  // A namespace that is opened again has the scope of the first time.
+  bool opens_namespace(int brace) const {
+    int i = brace - 1;
+    while (i > 0 && (at(i).is_name || is(i, "::")) && !is(i, "namespace")) --i;
+    return is(i, "namespace");
+  }
+
   // Code that is in no body: calls of macros that are not known, templates that are not made.
   void check_outside() {
     for (int i = 0; i < static_cast<int>(dump_.tokens.size()); ++i) {
@@ -333,7 +340,7 @@ class ConfigurationReader {
       if (token.text != "{" || token.link == nothing || expressions_.uses(i) > 0) continue;
       const bool is_known = std::ranges::any_of(
           dump_.scopes, [i](const DumpScope& scope) { return scope.begin == i; });
-      if (is_known || is(i - 1, "=") || token.link == i + 1) continue;
+      if (is_known || is(i - 1, "=") || token.link == i + 1 || opens_namespace(i)) continue;
       sources_.faults.emplace_back(expressions_.place(i), "code in braces that is no function's");
       i = token.link;
     }

@@ -62,6 +62,7 @@ Value RowReader::apply(const ApiRow& row, const Expression& call, const Value& s
   if (row.means == "make") return make_pointed(call, std::move(arguments));
   if (row.means == "node") return walk_.objects->make_plain_node(arguments, call.place);
   if (row.means == "bind") return bind(call, arguments);
+  if (row.means == "watch") return watch(row, call, arguments);
   if (row.means == "calls") return call_some(call, arguments);
   if (row.means == "take") return take_out(call, arguments);
   if (row.means == "qos") return quality(row, call, self, arguments);
@@ -153,6 +154,19 @@ Value RowReader::bind(const Expression& call, const Arguments& arguments) {
                  true);
   }
   return value;
+}
+
+// What the library calls when it likes: it may do nothing that counts.
+Value RowReader::watch(const ApiRow& row, const Expression& call, const Arguments& arguments) {
+  for (const Value& argument : arguments) {
+    if (!argument.matters()) continue;
+    if (argument.kind == Value::Kind::callable) {
+      walk_.model.watchers.push_back({argument, call.place});
+    } else {
+      writer_.hole(call.place, "an end is given to what keeps it", true);
+    }
+  }
+  return data_value(row.returns);
 }
 
 // An algorithm that calls what it is given, any number of times.

@@ -38,6 +38,7 @@ class RowReader {
                  const Arguments& arguments) const;
   Value make_pointed(const Expression& call, Arguments arguments);
   Value bind(const Expression& call, const Arguments& arguments);
+  Value watch(const ApiRow& row, const Expression& call, const Arguments& arguments);
   Value call_some(const Expression& call, const Arguments& arguments);
   Value take_out(const Expression& call, const Arguments& arguments);
   Value quality(const ApiRow& row, const Expression& call, const Value& self,

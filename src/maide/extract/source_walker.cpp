@@ -51,7 +51,7 @@ Program SourceWalker::run(const Value& callable, const std::vector<Value>& argum
   return walk_.writer.write(phase, node, [&] { calls_.call_value(callable, arguments, Place{}); });
 }
 
-void SourceWalker::make_alone(const Class& entry) {
+Program SourceWalker::make_alone(const Class& entry) {
   std::vector<Value> arguments;
   for (const int maker : walk_.names.all_methods(entry, last_part(entry.name))) {
     arguments.clear();
@@ -59,8 +59,8 @@ void SourceWalker::make_alone(const Class& entry) {
       arguments.push_back(data_value(class_of_type(type)));
     }
   }
-  walk_.writer.write(Phase::start, none,
-                     [&] { objects_.make(entry.name, arguments, entry.place); });
+  return walk_.writer.write(Phase::start, none,
+                            [&] { objects_.make(entry.name, arguments, entry.place); });
 }
 
 }  // namespace maide::extract

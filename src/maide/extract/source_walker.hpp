@@ -30,9 +30,13 @@ class SourceWalker {
   void make_globals();
   // Calls it, and gives the program that this is. `node`: whose code it is; none: main's.
   Program run(const Value& callable, const std::vector<Value>& arguments, Phase phase, int node);
-  // Makes an object of the class, with what is not known as arguments.
-  void make_alone(const Class& entry);
+  // Makes an object of the class, with what is not known as arguments. What its constructor does
+  // is in its node, if it is one.
+  Program make_alone(const Class& entry);
   bool was_read(int function) const { return walk_.read.contains(function); }
+  // Functions that were gone through: a walk that is thrown away is none.
+  const std::set<int>& read_functions() const { return walk_.read; }
+  void restore_read_functions(std::set<int> read) { walk_.read = std::move(read); }
   const NameLookup& names() const { return walk_.names; }
   // The executor that main spun, and the nodes whose ends it used; both are forgotten then.
   int take_main_executor() { return std::exchange(walk_.main_executor, none); }

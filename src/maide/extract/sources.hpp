@@ -152,6 +152,16 @@ struct Sources {
   std::map<Mention, int> mentions;                    // how often code that was read names it
   std::vector<std::pair<Place, std::string>> faults;  // what could not be read
   std::map<std::string, std::string> texts;           // of the files
+
+  // The file in which functions of the class have their bodies.
+  std::string text_of(const Class& entry) const {
+    for (const Function& function : functions) {
+      if (function.of_class != entry.name || !function.is_constructor) continue;
+      const auto found = texts.find(function.place.file);
+      return found == texts.end() ? std::string{} : found->second;
+    }
+    return {};
+  }
 };
 
 }  // namespace maide::extract

@@ -62,6 +62,8 @@ class SystemWriter {
     return print_system(document);
   }
 
+  std::set<std::string> constants;  // numbers of threads that nothing tells
+
  private:
   struct End {
     int entity = none;
@@ -233,6 +235,7 @@ class SystemWriter {
     entry.set("kind", YamlNode("multi"));
     entry.set("threads", quoted(constant));
     root.at("constants").set(constant, YamlNode(usual));
+    constants.insert(constant);
   }
 
   void add_executors(YamlNode& root) {
@@ -392,6 +395,7 @@ class SystemWriter {
 void write_system(const Model& model, const ExtractOptions& options, Extracted& result) {
   SystemWriter writer(model, options, result.holes);
   result.system = writer.write();
+  result.constants.assign(writer.constants.begin(), writer.constants.end());
   std::ranges::sort(result.holes);
   for (const Hole& hole : result.holes) {
     result.holes_file += "- " + std::string(hole.is_placed ? "placed: " : "unplaced: ") + "\"" +

@@ -11,6 +11,14 @@ namespace maide {
 
 std::string Program::place_of(int line) const {
   std::string text = "line " + std::to_string(line);
+  std::uint32_t origin = 0;  // what all that stands on the line was made from
+  for (const ProgramEdge& edge : edges) {
+    if (edge.line != line) continue;
+    if (origin == 0) origin = edge.origin;
+    if (edge.origin != origin) origin = 0;
+    if (origin == 0) break;
+  }
+  if (origin != 0) text = to_string(origins[origin]);
   const auto is_in = [&](const CallbackLines& of) { return of.first <= line && line <= of.last; };
   if (std::ranges::count_if(callbacks, is_in) != 1) return text;
   return text + " (" + std::ranges::find_if(callbacks, is_in)->name + ")";

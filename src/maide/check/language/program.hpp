@@ -270,7 +270,7 @@ struct Program {
   }
   // The guards of the `select` that control stands at. O(log control states).
   std::span<const Guard> guards_at(ControlState state) const;
-  // "line 18", or "line 18 (detector.on_image)" in the code of one callback alone.
+  // "line 18 (detector.on_image)", in code of one callback alone; or its origin, "a.cpp:3".
   std::string place_of(int line) const;
   bool has_label(ControlState state, std::uint32_t label) const;
   // What control can come to, whatever the models do. O(control states).

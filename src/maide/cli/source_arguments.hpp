@@ -1,0 +1,32 @@
+// Options of commands that read C++ sources, and what they say of what was not understood.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "maide/cli/command.hpp"
+#include "maide/cli/command_line.hpp"
+#include "maide/extract/extract.hpp"
+
+namespace maide::cli {
+
+struct SourceArguments {
+  std::string executor, assume;
+  std::vector<std::string> includes, tables;
+  bool is_closed = false;
+};
+
+void add_source_options(CommandLine& line, SourceArguments& arguments);
+
+// Reads the sources; says how far it has come where that takes long. Throws UsageError.
+extract::Extracted extract_sources(const std::vector<std::string>& sources,
+                                   const SourceArguments& arguments, Context& context);
+
+// Whether this names C++ sources, or a folder of them, and no system file.
+bool names_sources(const std::string& argument);
+
+// A line for each kind of hole, the most frequent first; "" if there is none.
+std::string describe_holes(const extract::Extracted& found);
+Json holes_to_json(const extract::Extracted& found);
+
+}  // namespace maide::cli
