@@ -341,6 +341,20 @@ TEST_F(Extract, MainSpinsUntilAnAnswerIsThere) {
   EXPECT_EQ(verdict_of(bad, "deadlock"), Verdict::violated) << bad.system;
 }
 
+// A plugin: a class that is no node, has one, and asks by a client that it makes where it asks.
+TEST_F(Extract, APluginThatNothingMakesIsLookedAt) {
+  const Extracted found = source(
+      "namespace base { struct Plugin { Plugin(int, const std::string & name) : "
+      "node(rclcpp::Node::make_shared(name)) {} rclcpp::Node::SharedPtr node; }; }\n"
+      "struct Version : base::Plugin { Version(int k) : Plugin(k, \"sys\") {\n"
+      "  t_ = node->create_wall_timer(1s, [this] { ask(); }); }\n"
+      "  void ask() { try { auto c = node->create_client<Trigger>(\"cmd\");\n"
+      "    auto f = c->async_send_request(nullptr); f.get(); } catch (std::exception & e) { } }\n"
+      "  rclcpp::TimerBase::SharedPtr t_; };\n");
+  EXPECT_FALSE(found.is_whole());  // who makes it, and how often, is not there
+  EXPECT_EQ(verdict_of(found, "deadlock"), Verdict::violated) << found.system;
+}
+
 TEST_F(Extract, AThreadMayWaitWhereACallbackMayNot) {
   const Extracted found =
       node(makes + "    thread_ = std::thread([this] { ask(); });\n",

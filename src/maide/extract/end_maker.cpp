@@ -53,8 +53,10 @@ Value EndMaker::make(const std::string& word, const Expression& call, const Valu
   entity.node = walk_.node_of(self);
   entity.place = call.place;
   const bool is_other_node = writer_.node() != none && writer_.node() != entity.node;
-  if (writer_.phase() != Phase::start || entity.node == none || writer_.is_conditional() ||
-      is_other_node) {
+  // A client may be made where it is used: nothing comes for it before it has asked.
+  const bool is_local_client = word == "client" && writer_.phase() == Phase::callback;
+  const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional();
+  if ((is_late && !is_local_client) || entity.node == none || is_other_node) {
     writer_.hole(call.place, "a " + word + " that is made later, or under a condition", true);
     return unknown_value();
   }
@@ -64,10 +66,32 @@ Value EndMaker::make(const std::string& word, const Expression& call, const Valu
     return unknown_value();
   }
   entity.name = has_name ? resolve(arguments[0].text, entity.node) : word;
+  if (is_local_client) {
+    if (const int known = find_made_here(entity); known != none) return known_client(known);
+  }
   read_arguments(entity, word, call, arguments);
   entity.label = label_for(entity, word);
   if (word == "service") writer_.emit("offer " + entity.label + ";", call.place);
   return walk_.objects->make_entity(std::move(entity), end_words().at(word).type);
+}
+
+// Of an earlier walk through the same call.
+int EndMaker::find_made_here(const Entity& entity) const {
+  for (std::size_t i = 0; i < walk_.model.entities.size(); ++i) {
+    const Entity& other = walk_.model.entities[i];
+    const bool is_same = other.kind == entity.kind && other.node == entity.node &&
+                         other.place == entity.place && other.name == entity.name;
+    if (is_same) return static_cast<int>(i);
+  }
+  return none;
+}
+
+Value EndMaker::known_client(int index) const {
+  Value value;
+  value.kind = Value::Kind::entity;
+  value.type = "rclcpp::Client";
+  value.index = index;
+  return value;
 }
 
 void EndMaker::read_arguments(Entity& entity, const std::string& word, const Expression& call,

@@ -24,6 +24,8 @@ class EndMaker {
     Value value;
   };
   static Given at(const Expression& call, const std::vector<Value>& arguments, std::size_t place);
+  int find_made_here(const Entity& entity) const;
+  Value known_client(int index) const;
   void read_arguments(Entity& entity, const std::string& word, const Expression& call,
                       const std::vector<Value>& arguments);
   void set_quality(Entity& entity, const Given& quality);
