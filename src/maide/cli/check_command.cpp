@@ -401,11 +401,7 @@ std::vector<std::vector<std::string>> settings_to_try(const extract::Extracted& 
 std::string describe_sources(const extract::Extracted& found) {
   std::string text = fmt::format("read: {} from {}, {}\n", counted(found.nodes, "node"),
                                  counted(found.files, "file"), counted(found.holes.size(), "hole"));
-  text += describe_holes(found);
-  for (const std::string& assumption : found.assumptions) {
-    text += "  taken for granted: " + assumption + "\n";
-  }
-  return text;
+  return text + describe_holes(found) + describe_assumptions(found);
 }
 
 int badness(Verdict verdict) {

@@ -51,9 +51,7 @@ ExitStatus run_extract(const ExtractArguments& arguments, Context& context) {
         fmt::format("{}: {} from {}, {}\n", arguments.output, counted(found.nodes, "node"),
                     counted(found.files, "file"), counted(found.holes.size(), "hole"));
     text += arguments.explains ? explain_holes(found) : describe_holes(found);
-    for (const std::string& assumption : found.assumptions) {
-      text += "  taken for granted: " + assumption + "\n";
-    }
+    text += describe_assumptions(found);
     context.print(text);
   }
   context.set_result({{"system", found.system},

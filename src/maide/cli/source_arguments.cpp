@@ -25,6 +25,7 @@ extract::ExtractOptions extract_options(const SourceArguments& arguments) {
   options.tables = arguments.tables;
   options.is_closed = arguments.is_closed;
   options.executor = arguments.executor;
+  options.most_holes = arguments.most_holes;
   for (const std::string_view word : split(arguments.assume, ',')) {
     if (word == "ok")
       options.assumes_ok = true;
@@ -92,6 +93,15 @@ std::string describe_holes(const extract::Extracted& found) {
     text += fmt::format("  {}: {}{}{}\n", to_string(holes.front()->place), kind, others,
                         has_name ? " (a row of a table closes it)" : "");
   }
+  return text;
+}
+
+std::string describe_assumptions(const extract::Extracted& found) {
+  std::string text;
+  for (const std::string& assumption : found.assumptions) {
+    text += "  taken for granted: " + assumption + " (--assume)\n";
+  }
+  for (const std::string& note : found.notes) text += "  taken for granted: " + note + "\n";
   return text;
 }
 

@@ -14,6 +14,7 @@ struct SourceArguments {
   std::string executor, assume;
   std::vector<std::string> includes, tables;
   bool is_closed = false;
+  std::size_t most_holes = 0;  // kinds of holes that the file names; 0: all
 };
 
 void add_source_options(CommandLine& line, SourceArguments& arguments);
@@ -27,6 +28,8 @@ bool names_sources(const std::string& argument);
 
 // A line for each kind of hole, the most frequent first; "" if there is none.
 std::string describe_holes(const extract::Extracted& found);
+// What is taken for granted, a line each.
+std::string describe_assumptions(const extract::Extracted& found);
 Json holes_to_json(const extract::Extracted& found);
 
 }  // namespace maide::cli

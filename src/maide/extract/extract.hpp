@@ -16,13 +16,15 @@ struct ExtractOptions {
   std::vector<std::string> tables;  // beside Maide's own
   bool is_closed = false;           // nobody else writes, asks or serves
   bool assumes_ok = false, assumes_exceptions = false;
-  std::string executor;  // of nodes that nothing runs: `single`, `multi:4`; empty: a constant
+  std::size_t most_holes = 0;  // kinds of them that the file names; 0: all
+  std::string executor;        // of nodes that nothing runs: `single`, `multi:4`; empty: a constant
 };
 
 struct Extracted {
   std::string system, holes_file;  // YAML
   std::vector<Hole> holes;
   std::vector<std::string> assumptions;  // that nobody made, and without which it may be wrong
+  std::vector<std::string> notes;        // what it takes for granted as all do
   std::size_t files = 0, nodes = 0;
   std::vector<std::string> constants;  // numbers of threads that nothing tells
   std::map<Place, std::string> lines;  // of the sources, where holes are

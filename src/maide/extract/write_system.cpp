@@ -63,6 +63,7 @@ class SystemWriter {
   }
 
   std::set<std::string> constants;  // numbers of threads that nothing tells
+  bool has_servers_outside = false;
 
  private:
   struct End {
@@ -132,8 +133,22 @@ class SystemWriter {
     YamlNode list;
     list.kind = YamlNode::Kind::list;
     list.style = YamlNode::Style::flow;
+    std::map<std::string, std::vector<const Hole*>> kinds;
     for (const Hole& hole : holes_) {
-      if (!hole.is_placed) list.entries.emplace_back().value = quoted(text_of(hole));
+      if (!hole.is_placed) kinds[hole.text].push_back(&hole);
+    }
+    std::size_t left = 0;
+    for (const auto& [text, holes] : kinds) {
+      if (options_.most_holes > 0 && list.entries.size() == options_.most_holes) {
+        ++left;
+        continue;
+      }
+      const std::string more =
+          holes.size() == 1 ? "" : ", and " + std::to_string(holes.size() - 1) + " more";
+      list.entries.emplace_back().value = quoted(text_of(*holes.front()) + more);
+    }
+    if (left > 0) {
+      list.entries.emplace_back().value = quoted(std::to_string(left) + " other kinds of holes");
     }
     if (!list.entries.empty()) root.set("holes", std::move(list));
   }
@@ -307,12 +322,33 @@ class SystemWriter {
     return YamlNode(text + behind, YamlNode::Style::literal);
   }
 
+  // Servers outside are taken to be there when nodes begin, unless some code looks whether they
+  // are.
+  Program with_servers(const Node& node) {
+    Program start = node.start;
+    for (const auto& named : services_) {
+      const Connection& service = named.second;
+      const bool is_mine = std::ranges::any_of(
+          service.in, [&](const End& end) { return entity(end.entity).node == node_index(node); });
+      const bool is_looked_for = std::ranges::any_of(
+          service.in, [&](const End& end) { return entity(end.entity).is_looked_for; });
+      if (!service.out.empty() || !is_mine || is_looked_for) continue;
+      has_servers_outside = true;
+      Code wait;
+      wait.text = "wait " + service.label + " -> there;";
+      start.code.insert(start.code.begin(), std::move(wait));
+    }
+    return start;
+  }
+
+  int node_index(const Node& node) const { return static_cast<int>(&node - model_.nodes.data()); }
+
   void add_nodes(YamlNode& root) {
     for (std::size_t i = 0; i < model_.nodes.size(); ++i) {
       const Node& node = model_.nodes[i];
       YamlNode entry = YamlNode::make_map();
       entry.set("executor", YamlNode(executor_label(i)));
-      YamlNode start = print(node.start);
+      YamlNode start = print(with_servers(node));
       if (start.value != "skip;\n") entry.set("start", std::move(start));
       std::string variables;
       YamlNode groups = YamlNode::make_map(YamlNode::Style::flow);
@@ -395,6 +431,9 @@ class SystemWriter {
 void write_system(const Model& model, const ExtractOptions& options, Extracted& result) {
   SystemWriter writer(model, options, result.holes);
   result.system = writer.write();
+  if (writer.has_servers_outside) {
+    result.notes.emplace_back("servers outside are there when nodes begin");
+  }
   result.constants.assign(writer.constants.begin(), writer.constants.end());
   std::ranges::sort(result.holes);
   for (const Hole& hole : result.holes) {
