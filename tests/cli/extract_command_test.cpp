@@ -88,7 +88,7 @@ TEST_F(ExtractCommand, WritesTheFileAndItsHoles) {
 TEST_F(ExtractCommand, RefusesWhatNeedsAFile) {
   const std::string source = write("asker.cpp", asker);
   expect_error(run_maide({"check", source, "--suggest"}), 2, "--suggest needs a system file");
-  expect_error(run_maide({"check", source, write("a.yaml", "")}), 2, "one system file, or C++");
+  expect_error(run_maide({"check", source, write("a.yaml", "")}), 2, "unexpected argument");
   expect_error(run_maide({"extract", source, "--executor", "many"}), 2, "--executor is single");
 }
 

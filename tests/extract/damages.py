@@ -161,6 +161,12 @@ DAMAGES = {
     "method of an unread class": ("vendor::Talker t(this); t.say();", "", "#include <vendor/say.hpp>\n"),
     "condition of the preprocessor": ("\n#ifdef SAY\n" + SEND + "\n#endif\n", "", ""),
     "other side of the preprocessor": ("\n#if 1\n n_ = 1;\n#else\n" + SEND + "\n#endif\n", "", ""),
+    "macro under a condition": ("TELL(hidden_);", "", "#ifdef SAY\n#define TELL(p) p->publish(Int())\n#else\n#define "
+                                "TELL(p)\n#endif\n"),
+    "macro without brackets under a condition": ("TELL;", "", "#ifdef SAY\n#define TELL hidden_->publish(Int())\n#else\n"
+                                                 "#define TELL\n#endif\n"),
+    "initialiser under a condition": ("n_ = 1;", "int k_ = TELL;", "#ifdef SAY\n#define TELL (hidden_->publish(Int()), 1)"
+                                      "\n#else\n#define TELL 1\n#endif\n"),
     "goto": ("again: n_++; if (n_ < 3) goto again; " + SEND, "", ""),
     "behind a break": ("for (;;) { if (n_) break; " + SEND + " }", "", ""),
     "behind a continue": ("for (int i = 0; i < 3; ++i) { if (n_) continue; " + SEND + " }", "", ""),

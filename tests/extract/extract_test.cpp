@@ -341,6 +341,17 @@ TEST_F(Extract, MainSpinsUntilAnAnswerIsThere) {
   EXPECT_EQ(verdict_of(bad, "deadlock"), Verdict::violated) << bad.system;
 }
 
+// A condition elsewhere in the file makes several configurations of the same code.
+TEST_F(Extract, ALambdaIsReadOnceHoweverManyConfigurationsThereAre) {
+  const Extracted found = source(
+      "#ifdef FAST\n#define SPEED 2\n#else\n#define SPEED 1\n#endif\n"
+      "struct A : rclcpp::Node { A() : Node(\"a\") { pub_ = create_publisher<Int>(\"x\", 1);\n"
+      "  timer_ = create_wall_timer(1s, [this] { pub_->publish(Int()); }); }\n"
+      "  rclcpp::Publisher<Int>::SharedPtr pub_; rclcpp::TimerBase::SharedPtr timer_; };\n");
+  EXPECT_TRUE(found.is_whole()) << found.holes_file;
+  EXPECT_TRUE(has(found, "x.write at")) << found.system;
+}
+
 // A plugin: a class that is no node, has one, and asks by a client that it makes where it asks.
 TEST_F(Extract, APluginThatNothingMakesIsLookedAt) {
   const Extracted found = source(

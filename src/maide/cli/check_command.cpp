@@ -492,7 +492,8 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
     return run_check_of_sources(arguments, *engine, request, context);
   }
   if (arguments.files.size() > 1) {
-    throw UsageError("one system file, or C++ sources (" + join(arguments.files) + ")");
+    throw UsageError("unexpected argument '" + arguments.files[1] +
+                     "': one system file, or C++ sources alone");
   }
   if (!arguments.every.empty()) return run_every(arguments, *engine, request, context);
   request.finds_races = true;
@@ -533,8 +534,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
 RunFunction set_up_check(CommandLine& line) {
   auto arguments = std::make_shared<CheckArguments>();
   line.add("SYSTEM", arguments->files,
-           "A system file (YAML): models, programs, properties; or C++ sources of ROS 2 nodes, "
-           "which `maide extract` reads first")
+           "A system file (YAML); or C++ sources of ROS 2 nodes, or folders of them")
       .required();
   line.add(
           "--engine", arguments->engine,

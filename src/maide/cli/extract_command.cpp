@@ -72,6 +72,7 @@ RunFunction set_up_extract(CommandLine& line) {
       .no_default();
   line.add_flag("--explain", arguments->explains,
                 "Beside -o: each hole with its line of source, and whether it has a place");
+  add_reading_options(line, arguments->options);
   add_source_options(line, arguments->options);
   return [arguments](Context& context) { return run_extract(*arguments, context); };
 }

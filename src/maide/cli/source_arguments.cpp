@@ -46,19 +46,16 @@ extract::ExtractOptions extract_options(const SourceArguments& arguments) {
 }  // namespace
 
 void add_source_options(CommandLine& line, SourceArguments& arguments) {
-  line.add("-I,--include", arguments.includes,
-           "Of C++ sources: look for headers in this folder, too")
+  line.add("--executor", arguments.executor, "Of sources: what runs nodes: single or multi:N")
       .no_default();
-  line.add("--api", arguments.tables, "Of C++ sources: read this table of an API, too")
+  line.add("--assume", arguments.assume, "Of sources: ok (ok() is true), exceptions (none)")
       .no_default();
-  line.add("--executor", arguments.executor,
-           "Of C++ sources: what runs nodes of which nothing tells: single or multi:N")
-      .no_default();
-  line.add("--assume", arguments.assume,
-           "Of C++ sources: take for granted: ok (rclcpp::ok() is true), exceptions (none is "
-           "thrown)")
-      .no_default();
-  line.add_flag("--closed", arguments.is_closed, "Of C++ sources: nobody else writes or asks");
+  line.add_flag("--closed", arguments.is_closed, "Of sources: nobody else writes or asks");
+}
+
+void add_reading_options(CommandLine& line, SourceArguments& arguments) {
+  line.add("-I,--include", arguments.includes, "Look for headers in this folder, too").no_default();
+  line.add("--api", arguments.tables, "Read this table of an API, too").no_default();
 }
 
 extract::Extracted extract_sources(const std::vector<std::string>& sources,

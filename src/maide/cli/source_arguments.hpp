@@ -17,7 +17,10 @@ struct SourceArguments {
   std::size_t most_holes = 0;  // kinds of holes that the file names; 0: all
 };
 
+// What is taken for granted, and what runs nodes of which nothing tells.
 void add_source_options(CommandLine& line, SourceArguments& arguments);
+// Folders of headers, and tables.
+void add_reading_options(CommandLine& line, SourceArguments& arguments);
 
 // Reads the sources; says how far it has come where that takes long. Throws UsageError.
 extract::Extracted extract_sources(const std::vector<std::string>& sources,

@@ -120,7 +120,7 @@ Expression DumpExpressions::read_qualified(int token) {
   Expression left = here.right == nothing ? Expression{} : read(here.left);
   Expression name = read(here.right == nothing ? here.left : here.right);
   if (name.kind != Expression::Kind::name ||
-      (left.kind != Expression::Kind::name && left.kind != Expression::Kind::nothing)) {
+      (left.kind != Expression::Kind::name && left.kind != Expression::Kind::absent)) {
     return make(Expression::Kind::opaque, token, "a qualified name that is none");
   }
   if (!left.text.empty()) name.text = left.text + "::" + name.text;

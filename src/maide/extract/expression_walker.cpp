@@ -43,7 +43,7 @@ std::vector<Value> ExpressionWalker::evaluate_all(const std::vector<Expression>&
 
 Value ExpressionWalker::evaluate(const Expression& expression) {
   switch (expression.kind) {
-    case Form::nothing: return {};
+    case Form::absent: return {};
     case Form::literal: return literal(expression);
     case Form::text: {
       Value value;

@@ -96,10 +96,16 @@ class ConfigurationReader {
       variable.name = at(found.name).text;
       variable.place = expressions_.place(found.name);
       const auto place = known.find({variable.place, variable.name});
+      const std::string text = is_member(found) ? declaration_of(found) : "";
       if (place != known.end() && is_member(found)) {
         variables_[i] = place->second;
+        if (sources_.variables[static_cast<std::size_t>(place->second)].text != text) {
+          sources_.faults.emplace_back(variable.place,
+                                       "code that differs from configuration to configuration");
+        }
         continue;
       }
+      variable.text = text;
       variable.type = found.type_begin == nothing || found.type_end == nothing
                           ? ""
                           : expressions_.text(found.type_begin, found.type_end + 1);
@@ -118,6 +124,15 @@ class ConfigurationReader {
     }
   }
 
+  // From its name to the end of its first value.
+  std::string declaration_of(const DumpVariable& variable) const {
+    int end = variable.name;
+    while (end < static_cast<int>(dump_.tokens.size()) && !is(end, ";")) {
+      end = at(end).link > end ? at(end).link + 1 : end + 1;
+    }
+    return expressions_.text(variable.name, end);
+  }
+
   bool is_member(const DumpVariable& variable) const {
     return variable.scope != nothing && is_class(scope(variable.scope)) &&
            variable.access != "Local" && variable.access != "Argument";
@@ -128,26 +143,47 @@ class ConfigurationReader {
     for (std::size_t i = 0; i < sources_.functions.size(); ++i) {
       known[sources_.functions[i].place].push_back(static_cast<int>(i));
     }
-    for (std::size_t i = 0; i < dump_.functions.size(); ++i) {
-      const DumpFunction& found = dump_.functions[i];
-      const int body = body_of(static_cast<int>(i));
-      note_declaration(found, body != nothing);
-      if (body == nothing || found.token == nothing) continue;
-      Function function = make(found);
-      int index = none;
-      for (const int other : known[function.place]) {
-        const Function& same = sources_.functions[static_cast<std::size_t>(other)];
-        if (same.name == function.name && same.of_class == function.of_class) index = other;
+    for (const bool are_lambdas : {false, true}) {
+      for (std::size_t i = 0; i < dump_.functions.size(); ++i) {
+        if ((dump_.functions[i].type == "Lambda") == are_lambdas) {
+          add_function(static_cast<int>(i), known);
+        }
       }
-      if (index != none && !function.is_lambda) {  // a header's, of another file
-        functions_[static_cast<int>(i)] = index;
-        skipped_.insert(body);
-        continue;
-      }
-      functions_[static_cast<int>(i)] = static_cast<int>(sources_.functions.size());
-      bodies_.emplace_back(static_cast<int>(i), body);
-      sources_.functions.push_back(std::move(function));
     }
+  }
+
+  void add_function(int index, const std::map<Place, std::vector<int>>& known) {
+    const DumpFunction& found = dump_.functions[static_cast<std::size_t>(index)];
+    const int body = body_of(index);
+    note_declaration(found, body != nothing);
+    if (body == nothing || found.token == nothing) return;
+    Function function = make(found);
+    // With parameters and initialisers.
+    function.text = expressions_.text(function.is_lambda ? body : found.token, at(body).link + 1);
+    if (function.is_lambda && is_skipped(body)) return;
+    const auto here = known.find(function.place);
+    if (!function.is_lambda && here != known.end()) {
+      for (const int other : here->second) {
+        const Function& same = sources_.functions[static_cast<std::size_t>(other)];
+        if (same.name != function.name || same.of_class != function.of_class) continue;
+        functions_[index] = other;  // a header's, of another file, or of another configuration
+        skipped_.insert(body);
+        if (same.text != function.text) {  // a macro means something else here
+          sources_.faults.emplace_back(function.place,
+                                       "code that differs from configuration to configuration");
+        }
+        return;
+      }
+    }
+    functions_[index] = static_cast<int>(sources_.functions.size());
+    bodies_.emplace_back(index, body);
+    sources_.functions.push_back(std::move(function));
+  }
+
+  // A lambda is a part of the function around it, and read with that.
+  bool is_skipped(int brace) const {
+    return std::ranges::any_of(skipped_,
+                               [&](int body) { return body < brace && brace < at(body).link; });
   }
 
   // What is declared and has no body in this file may have one in a file that is read later.

@@ -32,7 +32,7 @@ inline std::string to_string(const Place& place) {
 
 struct Expression {
   enum class Kind : std::uint8_t {
-    nothing,      // an argument that is not there
+    absent,       // an argument that is not there
     literal,      // text
     text,         // a string, without quotes
     name,         // text, qualified; variable or function if the front end linked it
@@ -50,7 +50,7 @@ struct Expression {
     other,        // text is an operator
     opaque,       // text is the reason
   };
-  Kind kind = Kind::nothing;
+  Kind kind = Kind::absent;
   std::string text;
   std::string type;  // template arguments of a name; of a cast or construct what is made
   int variable = none, function = none;
@@ -94,6 +94,7 @@ struct Variable {
   bool has_value = false;  // initialiser: arguments
   bool is_set = false;     // with `=`
   std::vector<Expression> arguments;
+  std::string text;  // of a member, from its name on, as the front end has it
   Place place;
 };
 
@@ -114,7 +115,7 @@ struct Function {
   std::vector<Statement> body;
   bool is_virtual = false, is_static = false, is_constructor = false, is_destructor = false;
   bool is_lambda = false, is_template = false;
-  bool is_variadic = false;
+  std::string text;  // of the body, as the front end has it
   Place place;
 
   std::string full_name() const {

@@ -287,7 +287,7 @@ void StatementWalker::loop(const Statement& next) {
     const CodeWriter::Scope inner(writer_);
     writer_.set(leave, "false");
     writer_.set(again, "false");
-    if (is_for && next.expressions[0].kind != Form::nothing) {
+    if (is_for && next.expressions[0].kind != Form::absent) {
       condition = leave_unless(next.expressions[0], next.place, is_finite);
     }
     if (next.kind == Statement::Kind::range) {
