@@ -126,10 +126,15 @@ class ConfigurationReader {
 
   // From its name to the end of its first value.
   std::string declaration_of(const DumpVariable& variable) const {
-    int end = variable.name;
-    while (end < static_cast<int>(dump_.tokens.size()) && !is(end, ";")) {
-      end = at(end).link > end ? at(end).link + 1 : end + 1;
-    }
+    const auto end_of = [&](int token) {
+      while (token < static_cast<int>(dump_.tokens.size()) && !is(token, ";")) {
+        token = at(token).link > token ? at(token).link + 1 : token + 1;
+      }
+      return token;
+    };
+    int end = end_of(variable.name);
+    // The front end makes `int k; k = 1;` of `int k = 1;`.
+    if (is(end + 1, at(variable.name).text) && is(end + 2, "=")) end = end_of(end + 1);
     return expressions_.text(variable.name, end);
   }
 
