@@ -299,7 +299,7 @@ std::uint32_t CodeResolver::count_of_matched(const syntax::Event& matched) const
   const bool is_number = matched.arguments.size() == 1 && !matched.arguments.front().is_declared;
   const Value count =
       is_number ? names_.constant(matched.arguments.front().term, "how many are to match") : 0;
-  if (count < 1 || count > Value{max_components}) {
+  if (count < 1 || count > Value{max_array_members}) {
     names_.fail("`matched` has a number of at least 1: how many others are met",
                 matched.name.place);
   }
