@@ -9,6 +9,7 @@
 
 #include "maide/base/json.hpp"
 #include "maide/check/engines/engine.hpp"
+#include "maide/check/rules/model_words.hpp"
 #include "maide/check/system/trace_file.hpp"
 #include "maide/check/verdict/check_system.hpp"
 
@@ -76,6 +77,12 @@ std::string describe_late_message(const System& system, const Trace& trace) {
       return fmt::format("{} (at step {} {} is on its way from {} to {})", reason, at + 1,
                          wire.state_texts[states[at].models[index]], ends.writer, ends.model);
     }
+  }
+  for (std::size_t at = 0; at < trace.steps.size(); ++at) {
+    const Step& step = trace.steps[at];
+    const bool arrives = !events_of(system, step).empty() || !lost_by(system, step).empty();
+    if (step.actor != nobody || arrives) continue;
+    return fmt::format("what comes by itself (step {}: {})", at + 1, describe_action(system, step));
   }
   return reason;
 }
