@@ -72,7 +72,7 @@ Value CallWalker::call_name(const Expression& expression, const Expression& call
   const Class* own = is_bare ? walk_.names.find_class(of_class, "") : nullptr;
   if (own != nullptr) {
     bool is_done = false;
-    const Value value = call_method_of(expression, callee, self, *own, is_done);
+    Value value = call_method_of(expression, callee, self, *own, is_done);
     if (is_done) return value;
   }
   return call_free(expression, callee);
@@ -100,7 +100,7 @@ Value CallWalker::call_free(const Expression& expression, const Expression& call
 
 Value CallWalker::apply_row(const ApiRow& row, const Expression& expression, const Value& self) {
   const std::size_t written = writer_.written();
-  const Value value = walk_.rows->apply(row, expression, self);
+  Value value = walk_.rows->apply(row, expression, self);
   if (writer_.written() != written) ++walk_.acting_calls;
   return value;
 }
@@ -191,7 +191,7 @@ Value CallWalker::inline_one_of(const Overloads& overloads, const Value& self,
                      walk_.function(overloads.bodies.front()).full_name(),
                  any_matters(all));
   }
-  const Value value = inline_any(overloads.bodies, 0, self, arguments, call.place);
+  Value value = inline_any(overloads.bodies, 0, self, arguments, call.place);
   for (const int function : overloads.bodies) {
     const Function& called = walk_.function(function);
     for (std::size_t i = 0; i + 1 < call.operands.size() && i < called.parameters.size(); ++i) {
@@ -223,10 +223,11 @@ Value CallWalker::inline_any(const std::vector<int>& functions, std::size_t firs
 void CallWalker::bind_parameters(const Function& function, const Arguments& arguments) {
   for (std::size_t i = 0; i < function.parameters.size(); ++i) {
     Value value;
-    if (i < arguments.size())
+    if (i < arguments.size()) {
       value = arguments[i];
-    else if (!function.defaults[i].empty())
+    } else if (!function.defaults[i].empty()) {
       value = walk_.expressions->evaluate(function.defaults[i][0]);
+    }
     const std::string type = class_of_type(function.parameter_types[i]);
     if (!value.matters() && (value.type.empty() || value.type == "?")) value.type = type;
     if (function.parameters[i] != none) {
@@ -257,7 +258,7 @@ Value CallWalker::inline_function(int index, const Value& self, const Arguments&
   bind_parameters(function, arguments);
   walk_.statements->walk_body(function.body);
   writer_.lower(frame.return_flag);
-  const Value result = result_of(frame);
+  Value result = result_of(frame);
   walk_.values.enter(caller);
   walk_.acting_calls = acting;
   stack_.pop_back();

@@ -57,7 +57,7 @@ void CodeWriter::set(const std::string& name, const std::string& value) {
 }
 
 std::string CodeWriter::fresh(const std::string& stem, std::vector<std::string> values) {
-  const std::string name = stem + "_" + std::to_string(next_name_++);
+  std::string name = stem + "_" + std::to_string(next_name_++);
   if (variables_ != nullptr) variables_->push_back({name, std::move(values)});
   return name;
 }

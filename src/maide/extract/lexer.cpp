@@ -143,7 +143,7 @@ LexedFile lex_cpp(std::string_view text, const std::string& file) {
       const std::string directive(word_of(i));
       lexed.directives.emplace_back(pieces[i].line, directive);
       std::size_t at = directive.find("define");
-      if (at != std::string::npos && at < 6) {
+      if (at < 6) {  // else it is no definition
         at += 6;
         while (at < directive.size() && directive[at] == ' ') ++at;
         std::size_t end = at;

@@ -65,7 +65,7 @@ std::string NameLookup::api_base(const std::string& of_class) const {
   for (const std::string& base : entry->bases) {
     const Class* known = find_class(base, entry->name);
     if (known == entry) continue;
-    const std::string found = api_base(known != nullptr ? known->name : base);
+    std::string found = api_base(known != nullptr ? known->name : base);
     if (!found.empty()) return found;
   }
   return {};
