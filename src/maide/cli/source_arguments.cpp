@@ -27,11 +27,11 @@ extract::ExtractOptions extract_options(const SourceArguments& arguments) {
   options.executor = arguments.executor;
   options.most_holes = arguments.most_holes;
   for (const std::string_view word : split(arguments.assume, ',')) {
-    if (word == "ok")
+    if (word == "ok") {
       options.assumes_ok = true;
-    else if (word == "exceptions")
+    } else if (word == "exceptions") {
       options.assumes_exceptions = true;
-    else if (!word.empty()) {
+    } else if (!word.empty()) {
       throw UsageError("--assume takes ok and exceptions, not '" + std::string(word) + "'");
     }
   }

@@ -230,8 +230,8 @@ Value ExpressionWalker::assign(const Expression& expression) {
 // A condition that is over variables of the program alone. What is any becomes a variable whose
 // value is chosen here.
 std::string ExpressionWalker::sure_condition(const Value& value, const Place& place) {
-  if (const std::string known = truth(value); !known.empty()) return known;
-  const std::string any = writer_.fresh("w");
+  if (std::string known = truth(value); !known.empty()) return known;
+  std::string any = writer_.fresh("w");
   writer_.either(
       place, [&] { writer_.set(any, "true"); }, [&] { writer_.set(any, "false"); });
   return any;
@@ -239,7 +239,7 @@ std::string ExpressionWalker::sure_condition(const Value& value, const Place& pl
 
 Value ExpressionWalker::logical(const Expression& expression) {
   const bool is_and = expression.kind == Form::conjunction;
-  const Value left = evaluate(expression.operands[0]);
+  Value left = evaluate(expression.operands[0]);
   const std::string first = truth(left);
   if (first == (is_and ? "true" : "false")) return evaluate(expression.operands[1]);
   if (!first.empty() && first == (is_and ? "false" : "true")) {
@@ -253,10 +253,11 @@ Value ExpressionWalker::logical(const Expression& expression) {
     const Value right = evaluate(expression.operands[1]);
     writer_.set(result, sure_condition(right, expression.place));
   };
-  if (is_and)
+  if (is_and) {
     writer_.branch_on(condition, expression.place, other, do_nothing);
-  else
+  } else {
     writer_.branch_on(condition, expression.place, do_nothing, other);
+  }
   Value value;
   value.condition = result;
   value.program = writer_.program();

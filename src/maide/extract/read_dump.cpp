@@ -255,10 +255,8 @@ class ConfigurationReader {
       }
     }
     if (found.scope != nothing) {
-      if (is_class(scope(found.scope)))
-        function.of_class = name_of(found.scope);
-      else
-        function.scope = name_of(found.scope);
+      std::string& owner = is_class(scope(found.scope)) ? function.of_class : function.scope;
+      owner = name_of(found.scope);
     }
     for (const int argument : found.arguments) add_parameter(function, argument);
     return function;

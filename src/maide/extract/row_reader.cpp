@@ -50,7 +50,7 @@ Value RowReader::apply(const ApiRow& row, const Expression& call, const Value& s
   }
   arguments = walk_.expressions->evaluate_all(call.operands, call.place, 1);
   if (row.means == "inert") {
-    const Value value = inert(row, call, self, arguments);
+    Value value = inert(row, call, self, arguments);
     walk_.calls->forget_arguments(call);
     return value;
   }

@@ -242,7 +242,7 @@ void StatementWalker::loop_variable(const Statement& next) {
 
 Value StatementWalker::leave_unless(const Expression& condition, const Place& place,
                                     bool is_finite) {
-  const Value value = walk_.expressions->evaluate(condition);
+  Value value = walk_.expressions->evaluate(condition);
   const std::string truth = ExpressionWalker::truth(value);
   if (is_finite && truth.empty()) {
     writer_.branch_on(
