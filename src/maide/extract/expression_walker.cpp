@@ -115,7 +115,7 @@ Value ExpressionWalker::name(const Expression& expression) {
     return walk_.values.read(
         walk_.values.slot_of(walk_.variable(expression.variable), expression.variable));
   }
-  if (const Value found = function_of_name(expression); found.kind == Value::Kind::callable) {
+  if (Value found = function_of_name(expression); found.kind == Value::Kind::callable) {
     return found;
   }
   if (const ApiRow* row = find_row(expression.text)) {
@@ -157,7 +157,7 @@ Value ExpressionWalker::function_of_name(const Expression& expression) {
 }
 
 Value ExpressionWalker::member(const Expression& expression) {
-  const Value of = evaluate(expression.operands[0]);
+  Value of = evaluate(expression.operands[0]);
   if (of.kind == Value::Kind::object) {
     Value value = walk_.values.read_field(of.index, expression.text, expression.variable);
     if (value.type == "?" && of.type.ends_with("Options")) value.type.clear();

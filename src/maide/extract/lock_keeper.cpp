@@ -75,7 +75,7 @@ void LockKeeper::declare_guard(const Statement& declaration, const std::string& 
                         (arguments.size() == 1 || (is_unique && policy == "defer_lock") ||
                          (arguments.size() == 2 && policy == "adopt_lock"));
   if (!is_known) return writer_.hole(place, "a lock of what is not known", true);
-  const Value mutex = arguments[0];
+  const Value& mutex = arguments[0];
   const std::string held = writer_.fresh("h");
   writer_.set(held, policy == "defer_lock" ? "false" : "true");
   if (policy.empty()) lock(mutex, place);
