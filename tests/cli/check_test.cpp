@@ -370,7 +370,7 @@ TEST_F(CheckCommand, SystemsMayComeThroughPipesThatTheFirstSignalEnds) {
         writer + "kill -TERM $run; wait $run");
     expect_error(result, 3, "reading the file was interrupted");
   }
-  expect_error(run_maide({"check", folder}), 2, "cannot read the file: Is a directory");
+  expect_error(run_maide({"check", folder}), 2, "there is no C++ source");
   expect_error(run_maide({"check", "/dev/zero"}), 2, "cannot read the file: it is a device");
 }
 

@@ -50,7 +50,7 @@ class ExtractCommand : public testing::Test {
 
 TEST_F(ExtractCommand, CheckNamesTheLineOfTheSource) {
   const SubprocessResult result =
-      run_maide({"check", write("asker.cpp", asker), "--assume", "ok,exceptions"});
+      run_maide({"check", write("asker.cpp", asker), "--assume", "ok,exceptions,read"});
   EXPECT_EQ(result.exit_status, 1) << result.err;
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("read: 1 node from 1 file, 0 holes\n"),
@@ -59,8 +59,8 @@ TEST_F(ExtractCommand, CheckNamesTheLineOfTheSource) {
 }
 
 TEST_F(ExtractCommand, TheExecutorIsSaidOnce) {
-  const SubprocessResult result = run_maide(
-      {"check", write("asker.cpp", asker), "--assume", "ok,exceptions", "--executor", "single"});
+  const SubprocessResult result = run_maide({"check", write("asker.cpp", asker), "--assume",
+                                             "ok,exceptions,read", "--executor", "single"});
   EXPECT_EQ(result.exit_status, 1) << result.err;
   EXPECT_THAT(result.out, Not(HasSubstr("with threads")));
 }
@@ -70,7 +70,7 @@ TEST_F(ExtractCommand, WritesTheFileAndItsHoles) {
   text.replace(text.find("    client_->async"), 4, "    vendor::beep(); ");
   const std::string source = write("asker.cpp", text), file = write("asker.yaml", "");
   const SubprocessResult result =
-      run_maide({"extract", source, "--assume", "ok,exceptions", "-o", file, "--explain"});
+      run_maide({"extract", source, "--assume", "ok,exceptions,read", "-o", file, "--explain"});
   EXPECT_EQ(result.exit_status, 3) << result.err;
   EXPECT_THAT(result.out,
               AllOf(HasSubstr("asker.cpp:9: a call of vendor::beep"),
@@ -81,8 +81,9 @@ TEST_F(ExtractCommand, WritesTheFileAndItsHoles) {
   // A table of one's own closes it.
   const std::string table =
       write("vendor.yaml", "known: \"read\"\nfunctions: {\"vendor::beep\": inert}\n");
-  EXPECT_EQ(run_maide({"extract", source, "--assume", "ok,exceptions", "--api", table}).exit_status,
-            0);
+  EXPECT_EQ(
+      run_maide({"extract", source, "--assume", "ok,exceptions,read", "--api", table}).exit_status,
+      0);
 }
 
 TEST_F(ExtractCommand, RefusesWhatNeedsAFile) {

@@ -169,11 +169,11 @@ CASES = r"""
 0 learn sim:one.dot --cache one.cache -o learned-one.dot
 2 learn prot
 4 learn exec:/bin/false
-0 extract robot.cpp --assume ok,exceptions
+0 extract robot.cpp --assume ok,exceptions,read
 3 extract robot.cpp
 2 extract robot.yaml
-0 check robot.cpp --assume ok,exceptions
-3 extract holes.cpp --assume ok,exceptions
+0 check robot.cpp --assume ok,exceptions,read
+3 extract holes.cpp --assume ok,exceptions,read
 3 check holes.cpp
 0 check holds.yaml
 1 check violated.yaml --trace trace.json --suggest

@@ -47,7 +47,7 @@ class Extract : public ::testing::Test {
                           "using Trigger = std_srvs::srv::Trigger;\n" +
                               text);
     ExtractOptions options;
-    options.assumes_ok = options.assumes_exceptions = true;
+    options.assumes_ok = options.assumes_exceptions = options.assumes_read = true;
     options.is_closed = true;
     options.executor = "single";
     Extracted found = extract_system({file.string()}, options, {});
@@ -117,6 +117,41 @@ TEST_F(Extract, GivesLocksBackOnEveryWay) {
   // It is behind what the return leaves out, and not part of it.
   EXPECT_LT(found.system.find("x.write at"), unlock);
   EXPECT_EQ(found.system.find(".unlock at", unlock + 1), std::string::npos) << found.system;
+}
+
+// What is left a second time: the lock is kept then.
+TEST_F(Extract, SeesTheSecondReturn) {
+  const Extracted found =
+      node(makes, ends +
+                      "  void tick() {\n    if (count_ > 3) return;\n    lock_.lock();\n"
+                      "    if (count_ > 4) return;\n    lock_.unlock();\n  }\n");
+  EXPECT_EQ(verdict_of(found, "deadlock"), Verdict::violated) << found.system;
+}
+
+TEST_F(Extract, SeesTheSecondThrow) {
+  const Extracted found = node(
+      makes, ends +
+                 "  void tick() {\n    try {\n      pub_->publish(Int());\n      lock_.lock();\n"
+                 "      pub_->publish(Int());\n      lock_.unlock();\n    } catch (...) {\n    }\n"
+                 "  }\n");
+  EXPECT_EQ(verdict_of(found, "deadlock"), Verdict::violated) << found.system;
+}
+
+TEST_F(Extract, LooksIntoACast) {
+  const Extracted found = node(
+      makes, ends +
+                 "  void tick() {\n    count_ = static_cast<int>(client_->async_send_request(\n"
+                 "        std::make_shared<Trigger::Request>()).get()->success);\n  }\n");
+  EXPECT_TRUE(has(found, "lookup.send at")) << found.system;
+  EXPECT_TRUE(has(found, "wait lookup -> answer at")) << found.system;
+}
+
+TEST_F(Extract, AWaitThatIsBrokenOffEnds) {
+  const Extracted found =
+      node(makes, ends +
+                      "  void tick() {\n    while (!client_->wait_for_service(1s)) {\n"
+                      "      if (++count_ > 5) break;\n    }\n    pub_->publish(Int());\n  }\n");
+  EXPECT_FALSE(has(found, "wait lookup -> there")) << found.system;
 }
 
 TEST_F(Extract, CodeOfALambdaIsNotCodeOfWhoMakesIt) {
@@ -219,7 +254,7 @@ TEST_F(Extract, AConditionAtTheBeginningIsNoGuard) {
   const fs::path file = fs::path(::testing::TempDir()) / "maide_extract" / "guard.cpp";
   fs::create_directories(file.parent_path());
   ExtractOptions options;
-  options.assumes_ok = options.assumes_exceptions = true;
+  options.assumes_ok = options.assumes_exceptions = options.assumes_read = true;
   write_file_atomically(file.string(), "#ifndef FAST\n#define FAST 1\n" + code + "#endif\n");
   EXPECT_TRUE(extract_system({file.string()}, options, {}).is_whole());
   write_file_atomically(file.string(), "#ifndef FAST\n#define FAST 1\nint one;\n#endif\n" + code);

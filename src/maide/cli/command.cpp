@@ -177,7 +177,7 @@ std::span<const Command> command_table() {
               set_up_new},
       Command{"extract", "Write a system file from C++ sources of ROS 2 nodes",
               "maide extract src/robot.cpp -o robot.yaml\n"
-              "maide extract src --assume ok,exceptions -o robot.yaml",
+              "maide extract src --assume ok,exceptions,read -o robot.yaml",
               set_up_extract},
       Command{"ros2", "Write a system file of a running graph of ROS 2",
               "maide ros2 import -o robot.yaml\n"

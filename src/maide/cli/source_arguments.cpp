@@ -31,8 +31,10 @@ extract::ExtractOptions extract_options(const SourceArguments& arguments) {
       options.assumes_ok = true;
     } else if (word == "exceptions") {
       options.assumes_exceptions = true;
+    } else if (word == "read") {
+      options.assumes_read = true;
     } else if (!word.empty()) {
-      throw UsageError("--assume takes ok and exceptions, not '" + std::string(word) + "'");
+      throw UsageError("--assume takes ok, exceptions and read, not '" + std::string(word) + "'");
     }
   }
   const bool is_multi = options.executor.starts_with("multi:") && options.executor.size() == 7 &&

@@ -120,21 +120,26 @@ void CodeWriter::branch_on(const std::string& condition, const Place& place,
 
 void CodeWriter::guard_rest(const std::set<std::string>& before) {
   std::string condition;
+  std::set<std::string> guarded;
   for (const std::string& flag : raised_) {
     if (before.contains(flag)) continue;
     condition += (condition.empty() ? "!" : " && !") + flag;
+    guarded.insert(flag);
   }
   if (condition.empty()) return;
+  // In the rest they are lowered, so that who raises one there is seen.
+  for (const std::string& flag : guarded) raised_.erase(flag);
   auto code = std::make_shared<Code>();
   code->kind = Code::Kind::branch;
   code->text = condition;
   code->arms.resize(2);
   blocks_.push_back(&code->arms[0].code);
   ++conditional_;
-  scope_->at_end([this, code] {
+  scope_->at_end([this, code, guarded] {
     --conditional_;
     blocks_.pop_back();
     append(std::move(*code));
+    raised_.insert(guarded.begin(), guarded.end());
   });
 }
 

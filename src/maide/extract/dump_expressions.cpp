@@ -159,7 +159,7 @@ Expression DumpExpressions::read_call(int token) {
   const DumpToken& here = at(token);
   use(token);
   if (here.link != nothing) use(here.link);
-  if (here.is_cast) {
+  if (here.is_cast && here.right == nothing) {  // (int) x
     Expression cast = make(Expression::Kind::cast, token);
     cast.type = text(token + 1, here.link);
     use_range(token + 1, here.link);

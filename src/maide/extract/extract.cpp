@@ -29,6 +29,10 @@ Extracted extract_system(const std::vector<std::string>& arguments, const Extrac
   result.holes = model.holes;
   if (!options.assumes_ok) result.assumptions.emplace_back("ok() is true");
   if (!options.assumes_exceptions) result.assumptions.emplace_back("no exception is thrown");
+  if (!options.assumes_read) {
+    result.assumptions.emplace_back(
+        "nothing of the sources was lost (docs/extract.md lists what is known to be)");
+  }
   write_system(model, options, result);
   for (const Hole& hole : result.holes) {
     const auto text = sources.texts.find(hole.place.file);

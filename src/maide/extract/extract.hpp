@@ -16,6 +16,7 @@ struct ExtractOptions {
   std::vector<std::string> tables;  // beside Maide's own
   bool is_closed = false;           // nobody else writes, asks or serves
   bool assumes_ok = false, assumes_exceptions = false;
+  bool assumes_read = false;   // that the reader lost nothing without a word
   std::size_t most_holes = 0;  // kinds of them that the file names; 0: all
   std::string executor;        // of nodes that nothing runs: `single`, `multi:4`; empty: a constant
 };

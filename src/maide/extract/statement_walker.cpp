@@ -302,8 +302,9 @@ void StatementWalker::loop(const Statement& next) {
   });
   writer_.leave_condition();
   loops_.pop_back();
+  const bool raises = writer_.raised() != before;
   writer_.lower(leave);
-  finish_loop(next, std::move(code), condition, writer_.raised() != before);
+  finish_loop(next, std::move(code), condition, raises);
 }
 
 // A loop that does nothing is left out if it is sure to end. `while (!there) { }` is a wait.
