@@ -50,7 +50,7 @@ extract::ExtractOptions extract_options(const SourceArguments& arguments) {
 void add_source_options(CommandLine& line, SourceArguments& arguments) {
   line.add("--executor", arguments.executor, "Of sources: what runs nodes: single or multi:N")
       .no_default();
-  line.add("--assume", arguments.assume, "Of sources: ok (ok() is true), exceptions (none)")
+  line.add("--assume", arguments.assume, "Of sources: ok, exceptions (none), read (all)")
       .no_default();
   line.add_flag("--closed", arguments.is_closed, "Of sources: nobody else writes or asks");
 }
