@@ -235,11 +235,7 @@ Value Communication::wait_for(const std::string& future, const std::string& labe
         writer_.append(std::move(code));
       },
       do_nothing);
-  Value value;
-  value.kind = Value::Kind::status;
-  value.condition = status;
-  value.program = writer_.program();
-  return value;
+  return status_value(status, writer_.program());
 }
 
 }  // namespace maide::extract

@@ -182,11 +182,7 @@ Value ExecutorSpins::spin_until(const Expression& call, const Value& self,
             status, call.place, [&] { writer_.set(future, "ready"); }, do_nothing);
       },
       do_nothing);
-  Value value;
-  value.kind = Value::Kind::status;
-  value.condition = status;
-  value.program = writer_.program();
-  return value;
+  return status_value(status, writer_.program());
 }
 
 Value ExecutorSpins::apply(const std::string& word, const Expression& call, const Value& self,

@@ -1,9 +1,9 @@
 // Reads C++ by `cppcheck --dump`, a program of Debian that needs neither headers nor a build. It
 // runs nothing of what it reads.
 //
-// What fails closed here: a version whose dumps are not known is refused; each message of cppcheck
-// and each file that it refuses is a fault of the sources; a conditional of the preprocessor around
-// code, and a call that stands in the text and in no dump, too.
+// It fails closed. A version whose dumps are not known is refused. A fault of the sources is each
+// message of cppcheck, and each file that it refuses. So is a conditional of the preprocessor
+// around code. So is a call that stands in the text and in no dump.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
-// What front ends give: the functions of all sources as trees, one schema for every language.
+// What front ends give: the functions of all sources as trees. There is one schema for every
+// language.
 //
 //   function: parameters, initialisers (of constructors), statements
 //   statement: expression, declaration, branch, loop, choice (switch), return, break, continue,

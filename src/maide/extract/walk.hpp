@@ -68,6 +68,15 @@ inline Value data_value(std::string type = {}) {
 
 inline Value unknown_value() { return data_value("?"); }
 
+// What a wait returned, which that variable of the program says.
+inline Value status_value(const std::string& variable, int program) {
+  Value value;
+  value.kind = Value::Kind::status;
+  value.condition = variable;
+  value.program = program;
+  return value;
+}
+
 inline std::string negation(const std::string& condition) {
   if (condition.empty()) return {};
   if (condition == "true") return "false";

@@ -18,15 +18,6 @@ YamlNode quoted(std::string text) {
   return YamlNode(std::move(text), YamlNode::Style::double_quoted);
 }
 
-YamlNode list_of(const std::vector<std::string>& names) {
-  if (names.size() == 1) return YamlNode(names.front());
-  YamlNode list;
-  list.kind = YamlNode::Kind::list;
-  list.style = YamlNode::Style::flow;
-  for (const std::string& name : names) list.entries.emplace_back().value = YamlNode(name);
-  return list;
-}
-
 std::string text_of(const Hole& hole) {
   std::string text = hole.text + " (" + to_string(hole.place) + ")";
   std::ranges::replace(text, '"', '\'');
@@ -181,8 +172,8 @@ class SystemWriter {
       const bool is_open = writers.empty() || readers.empty();
       if (!options_.is_closed || writers.empty()) writers.emplace_back("anybody");
       if (readers.empty()) readers.emplace_back("anybody");
-      entry.set("writers", list_of(writers));
-      entry.set("readers", list_of(readers));
+      entry.set("writers", YamlNode::make_names(writers));
+      entry.set("readers", YamlNode::make_names(readers));
       if (is_open) continue;  // no state is kept
       entry.set("use", YamlNode("queue"));
       set_quality(entry, name, topic);
@@ -235,7 +226,7 @@ class SystemWriter {
       // With a server outside, requests of others are his own affair.
       if (has_server && (!options_.is_closed || clients.empty())) clients.emplace_back("anybody");
       entry.set("server", YamlNode(has_server ? service.out[0].node : "anybody"));
-      entry.set("clients", list_of(clients));
+      entry.set("clients", YamlNode::make_names(clients));
     }
   }
 

@@ -44,15 +44,6 @@ YamlNode braces(const std::vector<std::pair<std::string, std::string>>& fields) 
   return map;
 }
 
-YamlNode list_of(const std::vector<std::string>& names) {
-  if (names.size() == 1) return YamlNode(names.front());
-  YamlNode list;
-  list.kind = YamlNode::Kind::list;
-  list.style = YamlNode::Style::flow;
-  for (const std::string& name : names) list.entries.emplace_back().value = YamlNode(name);
-  return list;
-}
-
 // Adds an entry to the map, with a comment on a line of its own before it, unless that is empty.
 void add_entry(YamlNode& map, const std::string& key, YamlNode value, const std::string& comment) {
   map.set(key, std::move(value));
@@ -291,7 +282,7 @@ class SystemWriter {
         {{"depth", service.depth ? std::to_string(*service.depth) : std::string(unknown_depth)}});
     add_rmw(graph_, options);
     YamlNode entry = braces({{"server", server_name}});
-    entry.set("clients", list_of(clients));
+    entry.set("clients", YamlNode::make_names(clients));
     entry.set("learn", YamlNode("ros2"));
     entry.set("with", std::move(options));
     add_entry(services_, name, std::move(entry), service.type);
@@ -334,8 +325,8 @@ class SystemWriter {
         own.set(readers.back(), reader.options);
       }
       YamlNode entry = YamlNode::make_map(YamlNode::Style::flow);
-      entry.set("writers", list_of(connection.writers));
-      entry.set("readers", list_of(readers));
+      entry.set("writers", YamlNode::make_names(connection.writers));
+      entry.set("readers", YamlNode::make_names(readers));
       entry.set("learn", YamlNode("ros2"));
       entry.set(is_same ? "with" : "readers_with", is_same ? common : own);
       add_entry(section, connection.name, std::move(entry), connection.comment);

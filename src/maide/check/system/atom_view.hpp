@@ -2,8 +2,8 @@
 // its fields: a program's place, as far as a label, the end or variables tell places apart, and the
 // values of shared variables. Monitors and exports make a table of the atom's values from them.
 //
-// What an atom says of a program is false while the program's process is dead: then the model that
-// says whether it lives is a field, too.
+// A program whose process is dead is at no label, and its variables are as at first. So the model
+// that says whether it lives is a field, too.
 //
 // An example: `camera.left < n`, with a variable `left` of a program and a shared variable `n`, has
 // two fields. A step of `camera` that leaves `left` as it is is not seen. An event, `port.write`,

@@ -39,6 +39,15 @@ YamlNode* YamlNode::find(std::string_view key) {
   return const_cast<YamlNode*>(std::as_const(*this).find(key));
 }
 
+YamlNode YamlNode::make_names(const std::vector<std::string>& names) {
+  if (names.size() == 1) return YamlNode(names.front());
+  YamlNode list;
+  list.kind = Kind::list;
+  list.style = Style::flow;
+  for (const std::string& name : names) list.entries.emplace_back().value = YamlNode(name);
+  return list;
+}
+
 YamlNode& YamlNode::at(std::string_view key, Style how) {
   if (YamlNode* const known = find(key)) return *known;
   if (!is_map()) *this = make_map(how);

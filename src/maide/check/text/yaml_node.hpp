@@ -50,6 +50,8 @@ struct YamlNode {
   YamlNode();
   explicit YamlNode(std::string text, Style how = Style::plain);
   static YamlNode make_map(Style how = Style::block);
+  // "a" of one name, else "[a, b]".
+  static YamlNode make_names(const std::vector<std::string>& names);
 
   bool is_scalar() const { return kind == Kind::scalar; }
   bool is_map() const { return kind == Kind::map; }
