@@ -39,9 +39,8 @@ class Extract : public ::testing::Test {
   }
 
   static Extracted source(const std::string& text) {
-    const fs::path folder = fs::path(::testing::TempDir()) / "maide_extract";
-    fs::create_directories(folder);
-    const fs::path file = folder / "robot.cpp";
+    const TempDir folder;
+    const fs::path file = fs::path(folder.path()) / "robot.cpp";
     write_file_atomically(file.string(),
                           "#include <rclcpp/rclcpp.hpp>\nusing Int = std_msgs::msg::Int32;\n"
                           "using Trigger = std_srvs::srv::Trigger;\n" +
@@ -251,8 +250,8 @@ TEST_F(Extract, ACountingLoopEnds) {
 // The guard of a header is none where code stands behind its end.
 TEST_F(Extract, AConditionAtTheBeginningIsNoGuard) {
   const std::string code = "struct A : rclcpp::Node { A() : Node(\"a\") {} };\n";
-  const fs::path file = fs::path(::testing::TempDir()) / "maide_extract" / "guard.cpp";
-  fs::create_directories(file.parent_path());
+  const TempDir folder;
+  const fs::path file = fs::path(folder.path()) / "guard.cpp";
   ExtractOptions options;
   options.assumes_ok = options.assumes_exceptions = options.assumes_read = true;
   write_file_atomically(file.string(), "#ifndef FAST\n#define FAST 1\n" + code + "#endif\n");
