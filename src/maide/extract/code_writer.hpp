@@ -57,11 +57,13 @@ class CodeWriter {
     if (variables_ != nullptr) variables_->push_back({name, std::move(values)});
   }
   void hole(const Place& place, const std::string& text, bool escapes);
-  void branch_on(const std::string& condition, const Place& place,
-                 const std::function<void()>& then, const std::function<void()>& otherwise);
+  void branch_on(
+      const std::string& condition, const Place& place, const std::function<void()>& then,
+      const std::function<void()>& otherwise = [] {});
   // The same, of two sides that nothing tells apart.
-  void either(const Place& place, const std::function<void()>& one,
-              const std::function<void()>& other) {
+  void either(
+      const Place& place, const std::function<void()>& one,
+      const std::function<void()>& other = [] {}) {
     branch_on("", place, one, other);
   }
   // What is written by `body`, apart from the program.

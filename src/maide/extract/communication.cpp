@@ -9,8 +9,6 @@
 namespace maide::extract {
 namespace {
 
-void do_nothing() {}
-
 bool has_minus(const Expression& expression) {
   return (expression.kind == Expression::Kind::other && expression.text == "-") ||
          std::ranges::any_of(expression.operands, has_minus);
@@ -105,7 +103,7 @@ Value Communication::presence(Entity& entity, const Expression& call,
     return value;
   }
   if (!is_look && has_minus(call.operands[1])) {
-    writer_.either(call.place, wait_for_ever, do_nothing);
+    writer_.either(call.place, wait_for_ever);
   }
   const std::string seen = writer_.fresh("p");
   writer_.branch_on(
@@ -153,8 +151,7 @@ Value Communication::send(int client, const Expression& call, const std::vector<
   for (const auto& [other, sent] : futures_) {  // they are of older requests from here on
     if (sent.client != client || sent.program != writer_.program()) continue;
     const std::string name = "f_" + std::to_string(other);
-    writer_.branch_on(
-        name + " == pending", call.place, [&] { writer_.set(name, "old"); }, do_nothing);
+    writer_.branch_on(name + " == pending", call.place, [&] { writer_.set(name, "old"); });
   }
   Value future;
   future.kind = Value::Kind::future;
@@ -186,9 +183,9 @@ int Communication::client_of_last(const Value& future, const Place& place) {
     return other.second.client == found->second.client && other.second.program == writer_.program();
   });
   if (others > 1) {
-    writer_.branch_on(
-        name + " == none || " + name + " == old", place,
-        [&] { writer_.hole(place, "a future whose request is not the last", false); }, do_nothing);
+    writer_.branch_on(name + " == none || " + name + " == old", place, [&] {
+      writer_.hole(place, "a future whose request is not the last", false);
+    });
   }
   return found->second.client;
 }
@@ -208,13 +205,10 @@ Value Communication::wait(const std::string& word, const Expression& call, const
   const std::string name = variable_of(self);
   const std::string label = walk_.entity(client).label;
   if (word == "wait_for") return wait_for(name, label, call.place);
-  writer_.branch_on(
-      name + " == pending", call.place,
-      [&] {
-        writer_.emit("wait " + label + " -> answer;", call.place);
-        writer_.set(name, "ready");
-      },
-      do_nothing);
+  writer_.branch_on(name + " == pending", call.place, [&] {
+    writer_.emit("wait " + label + " -> answer;", call.place);
+    writer_.set(name, "ready");
+  });
   return value;
 }
 
@@ -222,19 +216,16 @@ Value Communication::wait_for(const std::string& future, const std::string& labe
                               const Place& place) {
   const std::string status = writer_.fresh("s");
   writer_.set(status, "true");
-  writer_.branch_on(
-      future + " == pending", place,
-      [&] {
-        Code code;
-        code.kind = Code::Kind::select;
-        code.place = place;
-        code.arms.push_back({"on " + label + "!answer", {}});
-        code.arms.push_back({"timeout 1000", {}});
-        code.arms[0].code.push_back({Code::Kind::set, future, "ready", {}, {}});
-        code.arms[1].code.push_back({Code::Kind::set, status, "false", {}, {}});
-        writer_.append(std::move(code));
-      },
-      do_nothing);
+  writer_.branch_on(future + " == pending", place, [&] {
+    Code code;
+    code.kind = Code::Kind::select;
+    code.place = place;
+    code.arms.push_back({"on " + label + "!answer", {}});
+    code.arms.push_back({"timeout 1000", {}});
+    code.arms[0].code.push_back({Code::Kind::set, future, "ready", {}, {}});
+    code.arms[1].code.push_back({Code::Kind::set, status, "false", {}, {}});
+    writer_.append(std::move(code));
+  });
   return status_value(status, writer_.program());
 }
 

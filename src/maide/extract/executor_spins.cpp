@@ -14,8 +14,6 @@
 namespace maide::extract {
 namespace {
 
-void do_nothing() {}
-
 const std::string single_executor = "rclcpp::executors::SingleThreadedExecutor";
 const std::string multi_executor = "rclcpp::executors::MultiThreadedExecutor";
 
@@ -164,24 +162,20 @@ Value ExecutorSpins::spin_until(const Expression& call, const Value& self,
   const std::string status = writer_.fresh("s");
   writer_.set(status, "true");
   const bool has_time = arguments.size() > future_at + 1;
-  writer_.branch_on(
-      future + " == pending", call.place,
-      [&] {
-        if (!has_time) {
-          writer_.emit(head + ";", call.place);
-          return writer_.set(future, "ready");
-        }
-        Code code;
-        code.kind = Code::Kind::timed;
-        code.text = head + " timeout 1000";
-        code.place = call.place;
-        code.arms.push_back({"", {}});
-        code.arms[0].code.push_back({Code::Kind::set, status, "false", {}, {}});
-        writer_.append(std::move(code));
-        writer_.branch_on(
-            status, call.place, [&] { writer_.set(future, "ready"); }, do_nothing);
-      },
-      do_nothing);
+  writer_.branch_on(future + " == pending", call.place, [&] {
+    if (!has_time) {
+      writer_.emit(head + ";", call.place);
+      return writer_.set(future, "ready");
+    }
+    Code code;
+    code.kind = Code::Kind::timed;
+    code.text = head + " timeout 1000";
+    code.place = call.place;
+    code.arms.push_back({"", {}});
+    code.arms[0].code.push_back({Code::Kind::set, status, "false", {}, {}});
+    writer_.append(std::move(code));
+    writer_.branch_on(status, call.place, [&] { writer_.set(future, "ready"); });
+  });
   return status_value(status, writer_.program());
 }
 

@@ -14,8 +14,6 @@ namespace {
 
 using Form = Expression::Kind;
 
-void do_nothing() {}
-
 }  // namespace
 
 std::string ExpressionWalker::truth(const Value& value) {
@@ -254,9 +252,10 @@ Value ExpressionWalker::logical(const Expression& expression) {
     writer_.set(result, sure_condition(right, expression.place));
   };
   if (is_and) {
-    writer_.branch_on(condition, expression.place, other, do_nothing);
+    writer_.branch_on(condition, expression.place, other);
   } else {
-    writer_.branch_on(condition, expression.place, do_nothing, other);
+    writer_.branch_on(
+        condition, expression.place, [] {}, other);
   }
   Value value;
   value.condition = result;

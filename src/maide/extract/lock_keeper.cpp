@@ -12,11 +12,6 @@
 #include "maide/extract/type_names.hpp"
 
 namespace maide::extract {
-namespace {
-
-void do_nothing() {}
-
-}  // namespace
 
 bool LockKeeper::is_guard(const std::string& type) {
   return type == "std::lock_guard" || type == "std::unique_lock" || type == "std::scoped_lock";
@@ -88,8 +83,7 @@ void LockKeeper::declare_guard(const Statement& declaration, const std::string& 
     return writer_.at_scope_end([this, mutex, place] { unlock(mutex, place); });
   }
   writer_.at_scope_end([this, mutex, held, place] {
-    writer_.branch_on(
-        held, place, [&] { unlock(mutex, place); }, do_nothing);
+    writer_.branch_on(held, place, [&] { unlock(mutex, place); });
   });
 }
 
@@ -177,8 +171,8 @@ void LockKeeper::wait_until(const std::string& label, const Value& predicate, bo
       out.kind = Code::Kind::leave;
       writer_.append(std::move(out));
     };
-    writer_.branch_on(holds.condition == "false" ? "" : holds.condition, place, leave, do_nothing);
-    writer_.branch_on(timed_out, place, leave, do_nothing);
+    writer_.branch_on(holds.condition == "false" ? "" : holds.condition, place, leave);
+    writer_.branch_on(timed_out, place, leave);
     wait_once(label, is_timed, timed_out, place);
   });
   writer_.leave_condition();

@@ -30,8 +30,6 @@ bool has_call(const Expression& expression) {
          std::ranges::any_of(expression.operands, has_call);
 }
 
-void do_nothing() {}
-
 }  // namespace
 
 // ---- Sequences ----
@@ -58,8 +56,7 @@ void StatementWalker::walk(const std::vector<Statement>& list) {
 void StatementWalker::may_throw(const Statement& next) {
   const bool calls = std::ranges::any_of(next.expressions, has_call);
   if (writer_.tries() == 0 || !calls) return;
-  writer_.either(
-      next.place, [&] { writer_.raise(writer_.throw_flag()); }, do_nothing);
+  writer_.either(next.place, [&] { writer_.raise(writer_.throw_flag()); });
 }
 
 void StatementWalker::walk_body(const std::vector<Statement>& list) {
@@ -190,11 +187,9 @@ void StatementWalker::choice(const Statement& next) {
     for (std::size_t i = 0; i < next.blocks.size(); ++i) {
       const bool is_last = next.has_default && i + 1 == next.blocks.size();
       const auto enter = [&] { writer_.set(entered, "true"); };
-      writer_.branch_on(
-          "!" + entered, next.place,
-          [&] { is_last ? enter() : writer_.either(next.place, enter, do_nothing); }, do_nothing);
-      writer_.branch_on(
-          entered, next.place, [&] { walk(next.blocks[i]); }, do_nothing);
+      writer_.branch_on("!" + entered, next.place,
+                        [&] { is_last ? enter() : writer_.either(next.place, enter); });
+      writer_.branch_on(entered, next.place, [&] { walk(next.blocks[i]); });
       writer_.guard_rest(before);
     }
   }
@@ -220,8 +215,7 @@ void StatementWalker::attempt(const Statement& next) {
     writer_.either(
         next.place, [&] { walk(next.blocks[i]); }, [&] { handle(i + 1); });
   };
-  writer_.branch_on(
-      thrown, next.place, [&] { handle(1); }, do_nothing);
+  writer_.branch_on(thrown, next.place, [&] { handle(1); });
 }
 
 // ---- Loops ----
@@ -245,10 +239,10 @@ Value StatementWalker::leave_unless(const Expression& condition, const Place& pl
   Value value = walk_.expressions->evaluate(condition);
   const std::string truth = ExpressionWalker::truth(value);
   if (is_finite && truth.empty()) {
-    writer_.branch_on(
-        "fair *", place, [&] { writer_.append(leave_loop()); }, do_nothing);
+    writer_.branch_on("fair *", place, [&] { writer_.append(leave_loop()); });
   } else {
-    writer_.branch_on(truth, place, do_nothing, [&] { writer_.append(leave_loop()); });
+    writer_.branch_on(
+        truth, place, [] {}, [&] { writer_.append(leave_loop()); });
   }
   return value;
 }
@@ -262,8 +256,7 @@ void StatementWalker::write_body(const Statement& next, const std::string& again
     if (!before.contains(flag)) out += (out.empty() ? "" : " || ") + flag;
   }
   if (out.empty()) return;
-  writer_.branch_on(
-      out, next.place, [&] { writer_.append(leave_loop()); }, do_nothing);
+  writer_.branch_on(out, next.place, [&] { writer_.append(leave_loop()); });
 }
 
 // loop { if (!condition) { break; } body; if (left) { break; } step }
@@ -291,8 +284,8 @@ void StatementWalker::loop(const Statement& next) {
       condition = leave_unless(next.expressions[0], next.place, is_finite);
     }
     if (next.kind == Statement::Kind::range) {
-      writer_.branch_on(
-          is_finite ? "fair *" : "", next.place, [&] { writer_.append(leave_loop()); }, do_nothing);
+      writer_.branch_on(is_finite ? "fair *" : "", next.place,
+                        [&] { writer_.append(leave_loop()); });
     }
     write_body(next, again, before);
     if (is_for) walk_.expressions->evaluate(next.expressions[1]);

@@ -14,6 +14,7 @@
 #include "maide/check/tree/edit.hpp"
 #include "maide/check/tree/print.hpp"
 #include "maide/check/tree/system_tree.hpp"
+#include "maide/join/system_variant.hpp"
 
 namespace maide {
 namespace {
@@ -22,12 +23,6 @@ using syntax::Statement;
 using SelectKind = syntax::SelectArm::Kind;
 
 constexpr std::int64_t usual_depth = 10;  // of a writer that says nothing
-
-const std::string& text_of(const System& system) {
-  static const std::string none;
-  const auto source = system.sources.find(system.file);
-  return source == system.sources.end() ? none : source->second;
-}
 
 // Connections, without indices, that are late, or lose what is on its way.
 std::set<std::string> find_connections(const System& system, bool ConnectionInstance::*is) {

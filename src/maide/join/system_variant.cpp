@@ -28,13 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t most_files = 50;
 
-// The text of the system file; "" if it is not known.
-const std::string& text_of(const System& system) {
-  static const std::string none;
-  const auto source = system.sources.find(system.file);
-  return source == system.sources.end() ? none : source->second;
-}
-
 std::pair<int, int> in_order(TextPlace place) { return {place.line, place.column}; }
 
 // Where the counts stand behind their keywords; fewer than repeats if some have no place of their
@@ -106,6 +99,12 @@ std::map<std::string, Options> options_of_instances(const System& system, const 
 }
 
 }  // namespace
+
+const std::string& text_of(const System& system) {
+  static const std::string none;
+  const auto source = system.sources.find(system.file);
+  return source == system.sources.end() ? none : source->second;
+}
 
 std::vector<NumberConstant> find_constants(const System& system) {
   std::vector<NumberConstant> constants;

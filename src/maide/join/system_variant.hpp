@@ -15,6 +15,9 @@
 
 namespace maide {
 
+// The text of the system file; "" if it is not known.
+const std::string& text_of(const System& system);
+
 // A `repeat` of a program.
 struct Repeat {
   int line = 0, column = 0;  // in the system file

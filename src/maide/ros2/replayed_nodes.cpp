@@ -17,7 +17,7 @@
 namespace maide {
 namespace {
 
-using Kind = ModelUse::Kind;
+using UseKind = ModelUse::Kind;
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
@@ -34,7 +34,7 @@ bool is_writer(const TopicInstance& topic, const std::string& name) {
 
 std::string name_of(const System& system, const ModelUse& use) {
   const InterfaceAutomaton& automaton = system.models[use.model].automaton;
-  return (use.kind == Kind::give ? automaton.inputs() : automaton.outputs()).name(use.index);
+  return (use.kind == UseKind::give ? automaton.inputs() : automaton.outputs()).name(use.index);
 }
 
 // The options of a topic's system that are of its ends.
@@ -327,7 +327,7 @@ std::string ReplayedNodes::call_of(std::uint32_t program, const std::string& run
     for (const char* call : {"send", "receive", "serve"}) {
       if (name.starts_with(call)) return fmt::format("{}{}.{}", run, end, call);
     }
-    return fmt::format("{}{}.{}", run, end, use.kind == Kind::give ? "answer" : "wait");
+    return fmt::format("{}{}.{}", run, end, use.kind == UseKind::give ? "answer" : "wait");
   }
   const bool is_played = name == "write" || (name == "read" && run.front() == 'n');
   if (is_played) return fmt::format("{}{}.{}", run, end, name);
@@ -411,7 +411,7 @@ class ReplayedNodes::Caller {
   std::string label_of(const Step& step, std::uint32_t callback) const {
     if (system_.callbacks[callback].kind != CallbackInstance::Kind::subscription) return "began";
     for (const ModelUse& event : events_of(system_, step)) {
-      if (event.kind == Kind::take) return name_of(system_, event);
+      if (event.kind == UseKind::take) return name_of(system_, event);
     }
     return "message";
   }
@@ -422,11 +422,11 @@ class ReplayedNodes::Caller {
     const bool is_callback = prefix.starts_with('c');
     std::set<std::string> made;
     for (const ModelUse& event : events_of(system_, step)) {
-      if (!nodes_.contains(event.model) || (event.kind != Kind::give && !is_callback)) continue;
+      if (!nodes_.contains(event.model) || (event.kind != UseKind::give && !is_callback)) continue;
       const std::string call = nodes_.call_of(step.actor, prefix, event);
       if (!made.insert(call).second) continue;
       calls.push_back({call, {}});
-      if (event.kind == Kind::take) calls.back().expected = {prefix + "answered"};
+      if (event.kind == UseKind::take) calls.back().expected = {prefix + "answered"};
     }
   }
 
@@ -436,7 +436,7 @@ class ReplayedNodes::Caller {
     if (is_thread && program.may_rest(last.programs[number])) return std::nullopt;
     for (const ProgramEdge& edge : program.edges_of(last.programs[number])) {
       for (const ModelUse& event : program.events_of(edge)) {
-        const bool is_call = is_thread == (event.kind != Kind::give);
+        const bool is_call = is_thread == (event.kind != UseKind::give);
         if (!nodes_.contains(event.model) || !is_call) continue;
         const InterfaceAutomaton& automaton = system_.models[event.model].automaton;
         if (!automaton.is_quiescent(last.models[event.model])) continue;

@@ -359,7 +359,7 @@ std::optional<PanOutput> parse_pan_output(const std::string& text) {
 
 namespace {
 
-using Kind = PromelaLine::Kind;
+using LineKind = PromelaLine::Kind;
 
 // Where a line of the run says that a process moved.
 struct Place {
@@ -381,15 +381,15 @@ std::optional<Place> place_of(const std::string& line) {
 }
 
 bool is_alone(const PromelaLine& half, const System& system) {
-  return half.kind == Kind::program_edge &&
+  return half.kind == LineKind::program_edge &&
          system.programs[half.owner].edges[half.index].kind == ProgramEdge::Kind::choice;
 }
 
 Step join_halves(const PromelaLine& first, const PromelaLine& second, const System& system) {
-  const bool program_first = first.kind == Kind::program_edge;
+  const bool program_first = first.kind == LineKind::program_edge;
   const PromelaLine& program = program_first ? first : second;
   const PromelaLine& model = program_first ? second : first;
-  if (program.kind != Kind::program_edge || model.kind != Kind::model_transition ||
+  if (program.kind != LineKind::program_edge || model.kind != LineKind::model_transition ||
       system.programs[program.owner].edges[program.index].model != model.owner) {
     throw std::logic_error("the run of spin shows half a rendezvous");
   }
@@ -412,8 +412,8 @@ class RunReader {
   // What another line of the run stands for. False: the run ends there.
   bool read(const Place& place) {
     const PromelaLine& meaning = promela_.lines[place.line];
-    if (meaning.kind == Kind::none) return true;
-    if (meaning.kind == Kind::step) {
+    if (meaning.kind == LineKind::none) return true;
+    if (meaning.kind == LineKind::step) {
       if (last_ == place) return true;
       last_ = place;
       return read_step(promela_.steps[meaning.index]);

@@ -175,7 +175,7 @@ using Letters = std::vector<Letter>;  // a disjunction
 
 constexpr std::size_t most_letters = 4096;
 constexpr std::size_t most_implicit_atoms = 12;  // each state has 2^atoms transitions
-constexpr std::uint64_t most_states = 1'000'000;
+constexpr std::uint64_t largest_state_number = 1'000'000;
 constexpr int max_nesting = 200;
 
 class HoaReader {
@@ -219,10 +219,10 @@ class HoaReader {
 
   void read_header_item(const HoaToken& header) {
     if (header.text == "States") {
-      states_ = number("the number of states", most_states);
+      states_ = number("the number of states", largest_state_number);
     } else if (header.text == "Start") {
       starts_.push_back(tokens_.peek());
-      number("the initial state", most_states);
+      number("the initial state", largest_state_number);
       refuse_conjunction();
     } else if (header.text == "AP") {
       read_atoms(header);
@@ -491,7 +491,7 @@ class HoaReader {
 
   std::size_t state_number() {
     const HoaToken token = tokens_.next();
-    const std::uint64_t state = tokens_.value(token, "a state", most_states - 1);
+    const std::uint64_t state = tokens_.value(token, "a state", largest_state_number - 1);
     if (states_ && state >= *states_) {
       tokens_.fail(fmt::format("there is no state {}: 'States:' says {}", state, *states_), token);
     }
@@ -508,7 +508,7 @@ class HoaReader {
   void finish() {
     std::size_t count = std::max<std::size_t>(automaton_.states.size(), states_.value_or(0));
     for (const HoaToken& start : starts_) {
-      const std::uint64_t state = tokens_.value(start, "a state", most_states - 1);
+      const std::uint64_t state = tokens_.value(start, "a state", largest_state_number - 1);
       if (states_ && state >= *states_) tokens_.fail("there is no state " + start.text, start);
       count = std::max<std::size_t>(count, state + 1);
       automaton_.initial.push_back(static_cast<std::uint32_t>(state));

@@ -73,7 +73,7 @@ bool has_own_text(const YamlNode& node) {
 bool is_blank_line(std::string_view line) {
   return line.find_first_not_of(" \t\r") == std::string_view::npos;
 }
-std::size_t indent_of(std::string_view line) {
+std::size_t spaces_before(std::string_view line) {
   return std::min(line.find_first_not_of(' '), line.size());
 }
 
@@ -263,15 +263,15 @@ class SystemPrinter {
     end = std::min(text.find('\n', end), text.size());
     const std::vector<std::string_view> lines =
         split_lines(std::string_view(text).substr(begin, end - begin));
-    const std::size_t before = indent_of(lines.front());
+    const std::size_t before = spaces_before(lines.front());
     for (const std::string_view line : lines) {
-      const std::size_t kept = std::max(indent_of(line), before) - before;
+      const std::size_t kept = std::max(spaces_before(line), before) - before;
       lines_.push_back(
           {is_blank_line(line)
                ? ""
                : std::string(indent + kept, ' ') +
-                     std::string(line.substr(indent_of(line),
-                                             line.find_last_not_of(" \t\r") + 1 - indent_of(line))),
+                     std::string(line.substr(spaces_before(line), line.find_last_not_of(" \t\r") +
+                                                                      1 - spaces_before(line))),
            ""});
     }
   }
@@ -392,9 +392,9 @@ class SystemPrinter {
         lines_.push_back({"", ""});
         continue;
       }
-      if (!before) before = indent_of(line);
+      if (!before) before = spaces_before(line);
       lines_.push_back({std::string(indent + 2, ' ') +
-                            std::string(line.substr(std::min(*before, indent_of(line)))),
+                            std::string(line.substr(std::min(*before, spaces_before(line)))),
                         ""});
     }
   }

@@ -8,7 +8,7 @@
 namespace maide {
 namespace {
 
-using Kind = ProgramEdge::Kind;
+using EdgeKind = ProgramEdge::Kind;
 using Levels = std::vector<std::optional<std::size_t>>;
 
 bool contains_sorted(const std::vector<Symbol>& sorted, Symbol symbol) {
@@ -42,7 +42,7 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
   const auto takes = [&](const Program& program, const ProgramEdge& edge) {
     const auto events = program.events_of(edge);
     return std::ranges::any_of(events, [&](const ModelUse& event) {
-      return event.kind == Kind::take && event.model == awaited.model &&
+      return event.kind == EdgeKind::take && event.model == awaited.model &&
              contains_sorted(awaited.outputs, event.index);
     });
   };
@@ -54,7 +54,7 @@ std::vector<Symbol> asking_by_programs(const System& system, const Awaited& awai
           std::ranges::any_of(next, [&](const auto& take) { return takes(program, take); });
       if (!is_answered) continue;
       for (const ModelUse& event : program.events_of(edge)) {
-        if (event.kind == Kind::give && event.model == awaited.model) {
+        if (event.kind == EdgeKind::give && event.model == awaited.model) {
           asking.push_back(event.index);
         }
       }
@@ -183,7 +183,7 @@ std::optional<Awaited> find_awaited(const System& system, const Program& program
                                     ControlState state) {
   Awaited awaited;
   for (const ProgramEdge& edge : program.edges_of(state)) {
-    if (edge.kind != Kind::take) continue;
+    if (edge.kind != EdgeKind::take) continue;
     awaited.model = edge.model;
     awaited.outputs.push_back(edge.index);
   }
@@ -305,11 +305,11 @@ std::optional<MessageAccount> take_account(const System& system, const Trace& tr
     for (const ModelUse& event : sender ? uses : events_of(system, step)) {
       if (event.model != awaited.model) continue;
       // What lies on a wire is given when it arrives.
-      if (event.kind == Kind::give && has_wire && !sender) continue;
-      gives = gives || event.kind == Kind::give;
-      takes = takes || event.kind == Kind::take;
+      if (event.kind == EdgeKind::give && has_wire && !sender) continue;
+      gives = gives || event.kind == EdgeKind::give;
+      takes = takes || event.kind == EdgeKind::take;
       is_message = is_message ||
-                   (event.kind == Kind::give && contains_sorted(account.messages, event.index));
+                   (event.kind == EdgeKind::give && contains_sorted(account.messages, event.index));
     }
     const StateId before = states[at].models[awaited.model];
     const StateId after = states[at + 1].models[awaited.model];
@@ -345,7 +345,7 @@ std::map<std::uint32_t, MessageAccount> find_losses(const System& system, const 
   for (const Program& program : system.programs) {
     for (const ProgramEdge& edge : program.edges) {
       for (const ModelUse& event : program.events_of(edge)) {
-        if (event.kind != Kind::take) continue;
+        if (event.kind != EdgeKind::take) continue;
         const Alphabet& outputs = system.models[event.model].automaton.outputs();
         if (!is_message_name(outputs.name(event.index))) continue;
         Awaited& awaited = taken[event.model];

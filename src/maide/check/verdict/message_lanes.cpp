@@ -12,7 +12,7 @@
 namespace maide {
 namespace {
 
-using Kind = ModelUse::Kind;
+using UseKind = ModelUse::Kind;
 using Source = ModelInstance::Source;
 
 // Programs that are the program or run the node.
@@ -34,7 +34,7 @@ std::set<std::uint32_t> find_takers(const System& system, std::uint32_t model) {
     const Program& program = system.programs[index];
     const bool takes = std::ranges::any_of(program.edges, [&](const ProgramEdge& edge) {
       return std::ranges::any_of(program.events_of(edge), [&](const ModelUse& event) {
-        return event.model == model && event.kind == Kind::take &&
+        return event.model == model && event.kind == UseKind::take &&
                is_message_name(outputs.name(event.index));
       });
     });
@@ -194,7 +194,7 @@ void MessageLanes::add_wires(const System& system) {
 void MessageLanes::join_wires(const System& system) {
   for (const NobodysAction& action : system.nobodys_actions) {
     for (const ModelUse& given : action.what.uses) {
-      if (given.kind != Kind::give) continue;
+      if (given.kind != UseKind::give) continue;
       const auto queue = queue_of(given.model);
       if (!queue) continue;
       for (const ModelUse& use : action.what.uses) {
@@ -223,7 +223,7 @@ std::set<MessageLanes::Way> MessageLanes::find_ways(const System& system,
   for (const ProgramEdge& edge : program.edges) {
     for (const ModelUse& event : program.events_of(edge)) {
       const auto queue = queue_of(event.model);
-      if (event.kind != Kind::give || !queue || !is_message(event.model, event.index)) continue;
+      if (event.kind != UseKind::give || !queue || !is_message(event.model, event.index)) continue;
       const auto& wires = lanes_[*queue].wires;
       const auto own = std::ranges::find_if(
           wires, [&](std::uint32_t wire) { return lanes_[wire].writers.contains(number); });

@@ -19,7 +19,7 @@
 namespace maide {
 namespace {
 
-using Kind = ModelUse::Kind;
+using UseKind = ModelUse::Kind;
 using LaneKind = MessageLane::Kind;
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -293,7 +293,7 @@ class RaceSearch {
       return lanes_.is_shared(use.model) || std::ranges::any_of(lanes, [&](std::uint32_t lane) {
                if (lane == on) return false;
                const Change change = held(lane, state, next);
-               return change.more() > 0 || (change.fewer() == 0 && use.kind == Kind::give) ||
+               return change.more() > 0 || (change.fewer() == 0 && use.kind == UseKind::give) ||
                       (lanes_.all()[lane].is_wire() && is_sent_on(lane, step));
              });
     });
@@ -301,7 +301,7 @@ class RaceSearch {
 
   bool gives_to(const Step& step, std::uint32_t model) const {
     return std::ranges::any_of(events_of(system_, step), [&](const ModelUse& event) {
-      return event.kind == Kind::give && event.model == model;
+      return event.kind == UseKind::give && event.model == model;
     });
   }
 
@@ -380,7 +380,7 @@ class RaceSearch {
     }
     const bool is_sent = lane.is_wire()
                              ? is_sent_on(number, step)
-                             : use.kind == Kind::give && lanes_.is_message(use.model, use.index);
+                             : use.kind == UseKind::give && lanes_.is_message(use.model, use.index);
     if (!is_sent || change.after == 0) return true;
     // It pushes out the oldest.
     take_bit(watch_.telling(number), 0);
@@ -390,7 +390,7 @@ class RaceSearch {
 
   bool is_sent_on(std::uint32_t wire, const Step& step) const {
     return std::ranges::any_of(events_of(system_, step), [&](const ModelUse& event) {
-      if (event.kind != Kind::give) return false;
+      if (event.kind != UseKind::give) return false;
       const auto queue = lanes_.queue_of(event.model);
       if (!queue) return false;
       const auto& wires = lanes_.all()[*queue].wires;
@@ -412,7 +412,7 @@ class RaceSearch {
     for (const ModelUse& use : uses_of(system_, step)) {
       for (const std::uint32_t lane : lanes_.of_model(use.model)) {
         const MessageLane& to = lanes_.all()[lane];
-        if (to.kind == LaneKind::queue && use.kind == Kind::give) {
+        if (to.kind == LaneKind::queue && use.kind == UseKind::give) {
           arrive(lane, tells, state, next);
         } else if (!to.is_wire() && to.kind != LaneKind::queue) {
           lose_of_service(lane, state, next, step);
@@ -492,7 +492,7 @@ class RaceSearch {
     if (to.held[at] > to.on_way[at]) return false;
     for (const ModelUse& event : events_of(system_, step)) {
       const Alphabet& outputs = system_.models[event.model].automaton.outputs();
-      if (event.model == to.model && event.kind == Kind::take) {
+      if (event.model == to.model && event.kind == UseKind::take) {
         return to.kind == LaneKind::queue && !is_message_name(outputs.name(event.index));
       }
     }

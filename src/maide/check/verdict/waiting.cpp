@@ -13,7 +13,7 @@
 namespace maide {
 namespace {
 
-using Kind = ProgramEdge::Kind;
+using EdgeKind = ProgramEdge::Kind;
 using Reason = Waiting::Reason;
 using Helps = std::function<bool(const Program&, const ProgramEdge&)>;
 
@@ -81,7 +81,8 @@ class WaitingFinder {
     waiting_.awaited = awaited_at(own(), state_.programs[program]);
     const auto& awaited = waiting_.awaited;
     const bool is_plain = std::ranges::all_of(awaited, [&](const auto& edge) {
-      return (edge.kind == Kind::give || edge.kind == Kind::take || edge.kind == Kind::quiet) &&
+      return (edge.kind == EdgeKind::give || edge.kind == EdgeKind::take ||
+              edge.kind == EdgeKind::quiet) &&
              edge.model == awaited.front().model;
     });
     if (is_plain && !awaited.empty()) {
@@ -101,7 +102,7 @@ class WaitingFinder {
     const ProgramEdge& first = waiting_.awaited.front();
     if (!waiting_.due.empty()) {
       explain_due();
-    } else if (first.kind != Kind::give) {
+    } else if (first.kind != EdgeKind::give) {
       explain_silence();
     } else if (is_beyond_learned(automaton(), state_.models[waiting_.model], first.index)) {
       waiting_.reason = Reason::bound;
@@ -176,7 +177,7 @@ class WaitingFinder {
     waiting_.cause = last_step([&](std::size_t step) {
       const auto events = events_of(system_, trace_.steps[step]);
       return std::ranges::any_of(events, [&](const ModelUse& event) {
-        return event.kind == Kind::give && event.model == waiting_.model &&
+        return event.kind == EdgeKind::give && event.model == waiting_.model &&
                contains(actor, event.index);
       });
     });
@@ -184,7 +185,7 @@ class WaitingFinder {
   }
 
   void find_helpers() {
-    const Kind kind = waiting_.reason == Reason::output_due ? Kind::take : Kind::give;
+    const EdgeKind kind = waiting_.reason == Reason::output_due ? EdgeKind::take : EdgeKind::give;
     add_helpers([&](const Program& program, const ProgramEdge& edge) {
       const auto events = program.events_of(edge);
       return std::ranges::any_of(events, [&](const ModelUse& event) {
@@ -215,7 +216,7 @@ class WaitingFinder {
     for (const ProgramEdge& edge : waiting_.awaited) {
       for (const ModelUse& event : own().events_of(edge)) {
         const ServiceInstance* const service = find_service(system_, event.model);
-        if (service == nullptr || event.kind != Kind::take) continue;
+        if (service == nullptr || event.kind != EdgeKind::take) continue;
         const Alphabet& outputs = system_.models[event.model].automaton.outputs();
         if (!is_numbered(outputs.name(event.index), "answer")) continue;
         const auto client = own_client(*service);
@@ -287,7 +288,7 @@ class WaitingFinder {
     const auto send = system_.models[model].automaton.inputs().find(name_at_client("send", client));
     for (std::size_t step = at_; send && step-- > 0;) {
       const auto events = events_of(system_, trace_.steps[step]);
-      const ModelUse sends{Kind::give, model, *send};
+      const ModelUse sends{EdgeKind::give, model, *send};
       if (std::ranges::find(events, sends) != events.end()) return step;
     }
     return std::nullopt;

@@ -14,13 +14,13 @@
 namespace maide {
 namespace {
 
-using Kind = ModelUse::Kind;
+using UseKind = ModelUse::Kind;
 using Role = CombinedStep::Role;
 
 const std::optional<std::uint32_t> no_callback;
 
 std::optional<std::uint32_t> started_by(const Program& program, const ProgramEdge& edge) {
-  if (edge.kind != Kind::combined) return no_callback;
+  if (edge.kind != UseKind::combined) return no_callback;
   const CombinedStep& combined = program.combined[edge.index];
   if (combined.role != Role::arm && combined.role != Role::timer) return no_callback;
   return combined.callback;
@@ -103,10 +103,10 @@ class WayFinder {
 
   // An input, or what a step does with a model that is written by hand, by its event.
   void add_refused(WayOut& way, const ProgramEdge& edge, const ModelUse& use) const {
-    if (use.kind == Kind::give) return way.refused.push_back(use);
+    if (use.kind == UseKind::give) return way.refused.push_back(use);
     if (system_.models[use.model].source != ModelInstance::Source::built_in) return;
     for (const ModelUse& event : own_.events_of(edge)) {
-      if (event.kind == Kind::give && event.model == use.model) way.refused.push_back(event);
+      if (event.kind == UseKind::give && event.model == use.model) way.refused.push_back(event);
     }
   }
 

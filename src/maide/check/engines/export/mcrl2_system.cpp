@@ -16,9 +16,9 @@
 namespace maide {
 namespace {
 
-class Writer {
+class Mcrl2Writer {
  public:
-  Writer(std::ostream& out, const System& system)
+  Mcrl2Writer(std::ostream& out, const System& system)
       : out_(out),
         system_(system),
         rules_(system),
@@ -220,6 +220,6 @@ class Writer {
 
 }  // namespace
 
-void write_mcrl2(std::ostream& out, const System& system) { Writer(out, system).write(); }
+void write_mcrl2(std::ostream& out, const System& system) { Mcrl2Writer(out, system).write(); }
 
 }  // namespace maide

@@ -200,9 +200,9 @@ ModelUsage::ModelUsage(const System& system) : instances(system.models.size()) {
 
 using Purpose = PromelaOptions::Purpose;
 
-class Writer {
+class PromelaWriter {
  public:
-  Writer(const System& system, const PromelaOptions& options)
+  PromelaWriter(const System& system, const PromelaOptions& options)
       : system_(system), options_(options), usage_(system) {
     if (is_ltl()) {
       for (const Atom& atom : atoms_of(options.formula)) {
@@ -509,7 +509,7 @@ class Writer {
 }  // namespace
 
 PromelaSystem write_promela_rendezvous(const System& system, const PromelaOptions& options) {
-  return Writer(system, options).run();
+  return PromelaWriter(system, options).run();
 }
 
 }  // namespace maide

@@ -44,9 +44,9 @@ std::vector<std::uint32_t> sources(const Moves& moves) {
   return {result.begin(), result.end()};
 }
 
-class Writer {
+class SmvWriter {
  public:
-  Writer(std::ostream& out, const System& system)
+  SmvWriter(std::ostream& out, const System& system)
       : out_(out),
         system_(system),
         rules_(system),
@@ -276,6 +276,6 @@ class Writer {
 
 }  // namespace
 
-void write_smv(std::ostream& out, const System& system) { Writer(out, system).write(); }
+void write_smv(std::ostream& out, const System& system) { SmvWriter(out, system).write(); }
 
 }  // namespace maide

@@ -11,7 +11,7 @@
 namespace maide {
 namespace {
 
-using Kind = ProgramEdge::Kind;
+using EdgeKind = ProgramEdge::Kind;
 
 std::string shown_name(const std::string& name) {
   const bool is_plain = !name.empty() && std::ranges::all_of(name, [](char c) {
@@ -29,19 +29,19 @@ const CombinedStep& combined_step_of(const System& system, const StepAction& act
 const std::string& symbol_name(const StepAction& action, const System& system) {
   static const std::string quiet = "quiet", branches[] = {"if", "else"};
   switch (action.kind) {
-    case Kind::give: return system.models[action.model].automaton.inputs().name(action.index);
-    case Kind::take: return system.models[action.model].automaton.outputs().name(action.index);
-    case Kind::quiet: return quiet;
-    case Kind::act: return system.models[action.model].actions[action.index].name;
-    case Kind::combined: return combined_step_of(system, action).text;
-    case Kind::choice: break;
+    case EdgeKind::give: return system.models[action.model].automaton.inputs().name(action.index);
+    case EdgeKind::take: return system.models[action.model].automaton.outputs().name(action.index);
+    case EdgeKind::quiet: return quiet;
+    case EdgeKind::act: return system.models[action.model].actions[action.index].name;
+    case EdgeKind::combined: return combined_step_of(system, action).text;
+    case EdgeKind::choice: break;
   }
   return branches[action.index];
 }
 
 StepAction action_of_edge(std::uint32_t program, const ProgramEdge& edge) {
-  const bool has_model = edge.kind != Kind::choice && edge.kind != Kind::combined;
-  const bool has_index = edge.kind != Kind::quiet;
+  const bool has_model = edge.kind != EdgeKind::choice && edge.kind != EdgeKind::combined;
+  const bool has_index = edge.kind != EdgeKind::quiet;
   return {program, edge.kind, has_model ? edge.model : 0, has_index ? edge.index : 0, false};
 }
 
@@ -50,12 +50,12 @@ std::string text_of(const StepAction& action, const System& system) {
   const std::string& symbol = symbol_name(action, system);
   const auto model = [&] { return shown_name(system.models[action.model].name); };
   switch (action.kind) {
-    case Kind::give: return model() + "?" + shown_name(symbol);
-    case Kind::take: return model() + "!" + shown_name(symbol);
-    case Kind::quiet: return model() + " " + symbol;
-    case Kind::act:
-    case Kind::combined:
-    case Kind::choice: break;
+    case EdgeKind::give: return model() + "?" + shown_name(symbol);
+    case EdgeKind::take: return model() + "!" + shown_name(symbol);
+    case EdgeKind::quiet: return model() + " " + symbol;
+    case EdgeKind::act:
+    case EdgeKind::combined:
+    case EdgeKind::choice: break;
   }
   return symbol;
 }
@@ -64,7 +64,7 @@ std::string text_of(const StepAction& action, const System& system) {
 
 StepAction action_of(const System& system, const Step& step) {
   StepAction action = step.actor == nobody
-                          ? StepAction{nobody, Kind::combined, 0, step.action, false}
+                          ? StepAction{nobody, EdgeKind::combined, 0, step.action, false}
                           : action_of_edge(step.actor, edge_of(system, step));
   action.is_beyond = step.is_beyond;
   return action;
@@ -74,7 +74,7 @@ bool is_cut(const System& system, const StepAction& action) {
   const auto stops = [&](std::uint32_t model) {
     return system.models[model].when_unexplored == WhenUnexplored::stop;
   };
-  if (!action.is_beyond || action.kind != Kind::combined) {
+  if (!action.is_beyond || action.kind != EdgeKind::combined) {
     return action.is_beyond && stops(action.model);
   }
   const auto& uses = combined_step_of(system, action).uses;
@@ -95,7 +95,7 @@ ActionNames::ActionNames(const System& system) : system_(system) {
 }
 
 std::string ActionNames::number_of_combined(const StepAction& action) const {
-  MAIDE_CHECK(action.kind == Kind::combined);
+  MAIDE_CHECK(action.kind == EdgeKind::combined);
   const std::string& text = symbol_name(action, system_);
   return texts_[actor_number(system_, action.actor)].find(text)->second == 1
              ? ""
@@ -104,7 +104,7 @@ std::string ActionNames::number_of_combined(const StepAction& action) const {
 
 std::string ActionNames::of(const StepAction& action) const {
   std::string text = shown_name(actor_name(system_, action.actor)) + " " + text_of(action, system_);
-  if (action.kind == Kind::combined) text += number_of_combined(action);
+  if (action.kind == EdgeKind::combined) text += number_of_combined(action);
   if (action.is_beyond) text += is_cut(system_, action) ? " beyond" : " dropped";
   return text;
 }
@@ -133,15 +133,15 @@ const std::string& ExportNames::of(const StepAction& action, const System& syste
   const std::string_view bound = !action.is_beyond        ? ""
                                  : is_cut(system, action) ? "beyond"
                                                           : "dropped";
-  if (action.kind == Kind::choice) return of({program, "choose", symbol});
-  if (action.kind == Kind::combined) {
+  if (action.kind == EdgeKind::choice) return of({program, "choose", symbol});
+  if (action.kind == EdgeKind::combined) {
     return of({program, "do", symbol, actions_.number_of_combined(action), bound});
   }
   const std::string& model = system.models[action.model].name;
   switch (action.kind) {
-    case Kind::quiet: return of({program, "quiet", model});
-    case Kind::take: return of({program, "out", model, symbol});
-    case Kind::act: return of({program, "do", model, symbol, bound});
+    case EdgeKind::quiet: return of({program, "quiet", model});
+    case EdgeKind::take: return of({program, "out", model, symbol});
+    case EdgeKind::act: return of({program, "do", model, symbol, bound});
     default: return of({program, action.is_beyond ? bound : "in", model, symbol});
   }
 }

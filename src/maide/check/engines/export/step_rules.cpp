@@ -10,7 +10,7 @@ namespace maide {
 namespace {
 
 using Bound = ModelRelation::Bound;
-using Kind = ModelUse::Kind;
+using UseKind = ModelUse::Kind;
 
 Bound bound_of(const ModelInstance& model, const ModelStep& step) {
   if (!step.is_beyond) return Bound::within;
@@ -25,7 +25,7 @@ bool uses_second_edition(const System& system) {
     return program.flags != ActorFlags() ||
            std::ranges::any_of(program.edges,
                                [](const ProgramEdge& edge) {
-                                 return edge.kind == Kind::combined || edge.kind == Kind::act;
+                                 return edge.kind == UseKind::combined || edge.kind == UseKind::act;
                                }) ||
            std::ranges::any_of(program.states, [](const Program::State& state) {
              return state.error != 0 || state.may_rest || state.waits;
@@ -116,7 +116,7 @@ RuleAction StepRules::action_of(const StepRule& rule) const {
 const std::string& StepRules::name_of(const RuleAction& action, ExportNames& names,
                                       bool of_program) const {
   const std::string& name = names.of(action.action, system_, of_program);
-  if (!action.action.is_beyond || action.action.kind != Kind::combined) return name;
+  if (!action.action.is_beyond || action.action.kind != UseKind::combined) return name;
   std::string models;  // of which an input is beyond
   for (const std::uint32_t number : action.relations) {
     const ModelRelation& relation = relations_[number];
