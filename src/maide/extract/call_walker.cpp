@@ -33,9 +33,15 @@ Value CallWalker::call(const Expression& expression) {
   const Expression& callee = expression.operands[0];
   if (callee.kind == Form::member) return call_method(expression, callee);
   if (callee.kind == Form::name) return call_name(expression, callee);
+  return call_what_is_kept(expression, callee);
+}
+
+Value CallWalker::call_what_is_kept(const Expression& expression, const Expression& callee) {
   const Value value = walk_.expressions->evaluate(callee);
   const Arguments arguments = arguments_of(expression);
-  return call_value(value, arguments, expression.place);
+  Value result = call_value(value, arguments, expression.place);
+  forget_arguments(expression);
+  return result;
 }
 
 CallWalker::Arguments CallWalker::arguments_of(const Expression& call) {
@@ -61,9 +67,7 @@ Value CallWalker::unknown_call(const Expression& expression, const std::string& 
 
 Value CallWalker::call_name(const Expression& expression, const Expression& callee) {
   if (callee.variable != none) {
-    const Value value = walk_.expressions->evaluate(callee);
-    const Arguments arguments = arguments_of(expression);
-    return call_value(value, arguments, expression.place);
+    return call_what_is_kept(expression, callee);
   }
   const Value self = walk_.values.frame().self;
   const std::string of_class =
@@ -117,6 +121,10 @@ Value CallWalker::call_method_of(const Expression& expression, const Expression&
     if (found.bodies.empty() || (is_virtual && !is_exact)) {
       return unknown_call(expression, entry.name + "::" + callee.text, self);
     }
+    if (is_exact && is_another_while_made(self, found)) {
+      writer_.hole(expression.place, "a method of a class that is being made: " + callee.text,
+                   true);
+    }
     return inline_one_of(found, self, expression);
   }
   const std::string base = walk_.names.api_base(entry.name);
@@ -127,6 +135,16 @@ Value CallWalker::call_method_of(const Expression& expression, const Expression&
   is_done = callee.kind == Form::member || walk_.names.has_unknown_base(entry);
   if (!is_done) return {};
   return unknown_call(expression, entry.name + "::" + callee.text, self);
+}
+
+// In a constructor of a base the methods of the derived class are not there yet.
+bool CallWalker::is_another_while_made(const Value& self, const Overloads& found) const {
+  const Object& object = walk_.model.objects[static_cast<std::size_t>(self.index)];
+  if (object.being_made.empty() || object.being_made == object.of_class) return false;
+  return std::ranges::any_of(found.bodies, [&](int method) {
+    const std::string& of_class = walk_.function(method).of_class;
+    return of_class != object.being_made && !walk_.names.derives_from(object.being_made, of_class);
+  });
 }
 
 // `x.reset()` of a pointer lets the end go; `x->reset()` is the end's own.
@@ -220,20 +238,25 @@ Value CallWalker::inline_any(const std::vector<int>& functions, std::size_t firs
   return value;
 }
 
-void CallWalker::bind_parameters(const Function& function, const Arguments& arguments) {
+CallWalker::Arguments CallWalker::bind_parameters(const Function& function, Arguments arguments,
+                                                  const Place& place) {
+  const std::size_t given = arguments.size();
+  arguments.resize(std::max(arguments.size(), function.parameters.size()));
+  Arguments fitted;
   for (std::size_t i = 0; i < function.parameters.size(); ++i) {
-    Value value;
-    if (i < arguments.size()) {
-      value = arguments[i];
-    } else if (!function.defaults[i].empty()) {
+    Value value = std::move(arguments[i]);
+    if (i >= given && !function.defaults[i].empty()) {
       value = walk_.expressions->evaluate(function.defaults[i][0]);
     }
+    value = walk_.objects->converted(function.parameter_types[i], std::move(value), place);
+    fitted.push_back(value);
     const std::string type = class_of_type(function.parameter_types[i]);
     if (!value.matters() && (value.type.empty() || value.type == "?")) value.type = type;
     if (function.parameters[i] != none) {
       walk_.values.declare(function.parameters[i], std::move(value));
     }
   }
+  return fitted;
 }
 
 Value CallWalker::inline_function(int index, const Value& self, const Arguments& arguments,
@@ -255,7 +278,7 @@ Value CallWalker::inline_function(int index, const Value& self, const Arguments&
   frame.return_flag = writer_.fresh("r");
   frame.return_value = writer_.fresh("v");
   writer_.set(frame.return_flag, "false");
-  bind_parameters(function, arguments);
+  bind_parameters(function, arguments, place);
   walk_.statements->walk_body(function.body);
   writer_.lower(frame.return_flag);
   Value result = result_of(frame);

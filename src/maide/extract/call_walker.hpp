@@ -19,7 +19,8 @@ class CallWalker {
   Value inline_function(int function, const Value& self, const Arguments& arguments,
                         const std::shared_ptr<Frame>& outer, const Place& place);
   // Parameters of a function as its body sees them.
-  void bind_parameters(const Function& function, const Arguments& arguments);
+  // Gives the parameters their values: arguments, as their types have them, and defaults.
+  Arguments bind_parameters(const Function& function, Arguments arguments, const Place& place);
   // Constants in variables that were handed on are none any more.
   void forget_arguments(const Expression& call);
 
@@ -31,6 +32,8 @@ class CallWalker {
   Value call_free(const Expression& expression, const Expression& callee);
   Value call_smart_pointer(const Expression& expression, const Expression& callee,
                            const Value& self);
+  Value call_what_is_kept(const Expression& expression, const Expression& callee);
+  bool is_another_while_made(const Value& self, const Overloads& found) const;
   bool is_of_smart_pointer(const Expression& callee, const Value& self) const;
   Value apply_row(const ApiRow& row, const Expression& expression, const Value& self);
   Value inline_one_of(const Overloads& overloads, const Value& self, const Expression& call);

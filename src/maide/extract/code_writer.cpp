@@ -72,6 +72,12 @@ void CodeWriter::hole(const Place& place, const std::string& text, bool escapes)
   if (std::ranges::find(model_.holes, found) == model_.holes.end()) model_.holes.push_back(found);
 }
 
+void CodeWriter::note(const Place& place, const std::string& text) {
+  const Hole found{text, place, false};
+  const bool is_new = std::ranges::find(model_.holes, found) == model_.holes.end();
+  if (silent_ == 0 && is_new) model_.holes.push_back(found);
+}
+
 std::vector<Code> CodeWriter::aside(const std::function<void()>& body) {
   std::vector<Code> code;
   blocks_.push_back(&code);

@@ -57,6 +57,8 @@ class CodeWriter {
     if (variables_ != nullptr) variables_->push_back({name, std::move(values)});
   }
   void hole(const Place& place, const std::string& text, bool escapes);
+  // A hole that cuts no run: what is written stands for most of what may be.
+  void note(const Place& place, const std::string& text);
   void branch_on(
       const std::string& condition, const Place& place, const std::function<void()>& then,
       const std::function<void()>& otherwise = [] {});

@@ -9,11 +9,6 @@
 namespace maide::extract {
 namespace {
 
-bool has_minus(const Expression& expression) {
-  return (expression.kind == Expression::Kind::other && expression.text == "-") ||
-         std::ranges::any_of(expression.operands, has_minus);
-}
-
 // Whether both are the same function with the same things around it.
 bool is_same_callable(const Value& one, const Value& other) {
   if (one.kind != other.kind || one.index != other.index) return false;
@@ -85,6 +80,14 @@ Value Communication::publish(Entity& entity, const Expression& call) {
   return {};
 }
 
+// What waits shorter than no time waits for ever.
+bool Communication::is_for_ever(const Value& time, const Place& place) {
+  const Sign sign = sign_of(time);
+  if (sign == Sign::unknown)
+    writer_.note(place, "a time that may be negative, and then is for ever");
+  return sign == Sign::negative;
+}
+
 // A wait of some time ends at any time. What is seen then is the value; it is kept, for a server
 // may come later.
 Value Communication::presence(Entity& entity, const Expression& call,
@@ -102,8 +105,10 @@ Value Communication::presence(Entity& entity, const Expression& call,
     value.condition = "true";
     return value;
   }
-  if (!is_look && has_minus(call.operands[1])) {
-    writer_.either(call.place, wait_for_ever);
+  if (!is_look && is_for_ever(arguments[0], call.place)) {
+    wait_for_ever();
+    value.condition = "true";
+    return value;
   }
   const std::string seen = writer_.fresh("p");
   writer_.branch_on(
@@ -147,7 +152,11 @@ Value Communication::send(int client, const Expression& call, const std::vector<
     writer_.hole(call.place, "an end is given to a request", true);
   }
   if (rest.size() > 1) writer_.hole(call.place, "arguments that are not followed", true);
-  if (!rest.empty()) add_callback(entity, call, rest[0]);
+  if (rest.empty()) {
+    entity.is_asked_without = true;
+  } else {
+    add_callback(entity, call, rest[0]);
+  }
   for (const auto& [other, sent] : futures_) {  // they are of older requests from here on
     if (sent.client != client || sent.program != writer_.program()) continue;
     const std::string name = "f_" + std::to_string(other);

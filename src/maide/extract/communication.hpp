@@ -20,6 +20,7 @@ class Communication {
               const std::vector<Value>& arguments);
   // The client whose request this future is of, if the program that is being written sent it;
   // cuts the run where it may be of an older one.
+  bool is_for_ever(const Value& time, const Place& place);
   int client_of_last(const Value& future, const Place& place);
   static std::string variable_of(const Value& future) {
     return "f_" + std::to_string(future.index);

@@ -225,9 +225,14 @@ Expression DumpExpressions::read_lambda(int token, int body) {
   use_range(token, body);  // captures, parameters, what is returned
   // Captures with values are expressions of their own: they need a rule.
   for (int i = token + 1; i < at(token).link; ++i) {
-    if (at(i).text == "=" && at(i + 1).text != "," && at(i + 1).text != "]") {
+    const bool is_value = at(i).text == "=" && at(i + 1).text != "," && at(i + 1).text != "]";
+    if (is_value || at(i).text == "(" || at(i).text == "{") {
       return make(Expression::Kind::opaque, token, "a lambda that captures a value");
     }
+  }
+  for (int i = at(token).link + 1; i < body; ++i) {
+    if (at(i).text != "=") continue;
+    return make(Expression::Kind::opaque, token, "a lambda with default arguments");
   }
   const DumpScope& scope = dump_.scopes[static_cast<std::size_t>(at(body).scope)];
   const auto found = functions_.find(scope.function);

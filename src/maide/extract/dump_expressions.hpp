@@ -17,6 +17,7 @@ class DumpExpressions {
                   const std::map<int, int>& functions)
       : dump_(dump), variables_(variables), functions_(functions), uses_(dump.tokens.size(), 0) {}
 
+  Expression make(Expression::Kind kind, int token, std::string text = {}) const;
   Expression read(int token);
   // The arguments of a bracket: none, one or several between commas.
   std::vector<Expression> read_arguments(int token);
@@ -30,7 +31,6 @@ class DumpExpressions {
 
  private:
   const DumpToken& at(int token) const { return dump_.tokens[static_cast<std::size_t>(token)]; }
-  Expression make(Expression::Kind kind, int token, std::string text = {}) const;
   Expression read_name(int token);
   Expression read_qualified(int token);
   Expression read_call(int token);

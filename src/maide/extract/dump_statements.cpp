@@ -272,6 +272,12 @@ int DumpStatements::declared_variable(int begin, int end, int& name) const {
 bool DumpStatements::read_initialiser(int name, std::vector<Expression>& arguments) {
   int next = name + 1;
   while (is(next, "[")) {
+    for (int i = next + 1; i < at(next).link; ++i) {
+      if (!is(i, "(") && !is(i, "{")) continue;
+      arguments.push_back(
+          expressions_.make(Expression::Kind::opaque, i, "a size that is called for"));
+      break;
+    }
     expressions_.use_range(next, at(next).link + 1);
     next = at(next).link + 1;
   }
@@ -291,7 +297,9 @@ bool DumpStatements::read_initialiser(int name, std::vector<Expression>& argumen
     const int inner = at(next).right != nothing               ? at(next).right
                       : is(next, "{") && at(next).left > next ? at(next).left
                                                               : nothing;
-    arguments = expressions_.read_arguments(inner);
+    for (Expression& argument : expressions_.read_arguments(inner)) {
+      arguments.push_back(std::move(argument));
+    }
   }
   return false;
 }

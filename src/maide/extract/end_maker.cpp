@@ -32,6 +32,14 @@ bool is_digits(const std::string& text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+// Types as they are written: one may be without its package.
+bool is_same_message(const std::string& one, const std::string& other) {
+  const bool is_whole =
+      one.find("::") != std::string::npos && other.find("::") != std::string::npos;
+  return one.empty() || other.empty() || one == other ||
+         (!is_whole && last_part(one) == last_part(other));
+}
+
 bool is_topic(Entity::Kind kind) {
   return kind == Entity::Kind::publisher || kind == Entity::Kind::subscription;
 }
@@ -55,7 +63,8 @@ Value EndMaker::make(const std::string& word, const Expression& call, const Valu
   const bool is_other_node = writer_.node() != none && writer_.node() != entity.node;
   // A client may be made where it is used: nothing comes for it before it has asked.
   const bool is_local_client = word == "client" && writer_.phase() == Phase::callback;
-  const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional();
+  const bool is_spun = writer_.node() == none && walk_.main_executor != none;
+  const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional() || is_spun;
   if ((is_late && !is_local_client) || entity.node == none || is_other_node) {
     writer_.hole(call.place, "a " + word + " that is made later, or under a condition", true);
     return unknown_value();
@@ -69,6 +78,7 @@ Value EndMaker::make(const std::string& word, const Expression& call, const Valu
   if (is_local_client) {
     if (const int known = find_made_here(entity); known != none) return known_client(known);
   }
+  entity.type = call.operands[0].type;
   read_arguments(entity, word, call, arguments);
   entity.label = label_for(entity, word);
   if (word == "service") writer_.emit("offer " + entity.label + ";", call.place);
@@ -219,7 +229,11 @@ std::string EndMaker::label_for(const Entity& entity, const std::string& word) c
   for (const Entity& other : walk_.model.entities) {
     if (!has_name || other.name != entity.name) continue;
     const bool is_same = is_topic(entity.kind) == is_topic(other.kind);
-    if (is_same && !other.label.empty()) return other.label;
+    if (!is_same || other.label.empty()) continue;
+    if (!is_same_message(entity.type, other.type)) {
+      writer_.hole(entity.place, "ends of two types at " + entity.name, false);
+    }
+    return other.label;
   }
   return walk_.objects->label_of(has_name ? entity.name.substr(1) : entity.name, word);
 }

@@ -27,6 +27,7 @@ class Pass {
     run_callbacks();
     run_watchers();
     look_at_the_rest();
+    look_at_ends();
     std::ranges::sort(model_.holes);
     return std::move(model_);
   }
@@ -124,7 +125,9 @@ class Pass {
   void make_components() {
     for (const auto& named : sources_.classes) {
       const bool is_node = walker_.names().is_node_class(named.first);
-      if (is_node && !is_made(named.first) && !is_base(named.second)) {
+      const bool is_component =
+          std::ranges::find(sources_.components, named.first) != sources_.components.end();
+      if (is_node && !is_made(named.first) && (is_component || !is_base(named.second))) {
         walker_.make_alone(named.second);
       }
     }
@@ -211,10 +214,15 @@ class Pass {
       arguments[i].type = type == "auto" ? "message" : type;
       if (entity.kind == Entity::Kind::client) arguments[i].type = "ready future";
     }
-    if (entity.kind == Entity::Kind::service && answers_later(function, arguments)) {
-      hole("a service that may answer later", entity.place);
+    const auto refuse_later = [&](const std::vector<Value>& of_call) {
+      if (entity.kind == Entity::Kind::service && answers_later(function, of_call)) {
+        hole("a service that may answer later", entity.place);
+      }
+    };
+    if (!callable.is_bound) {
+      refuse_later(arguments);
+      return arguments;
     }
-    if (!callable.is_bound) return arguments;
     std::vector<Value> given;  // in the order of the placeholders
     for (std::size_t i = 0; i < callable.bound.size() && i < count; ++i) {
       if (callable.bound[i].placeholder == none) continue;
@@ -222,6 +230,7 @@ class Pass {
       if (given.size() <= place) given.resize(place + 1);
       given[place] = arguments[i];
     }
+    refuse_later(given);
     return given;
   }
 
@@ -256,6 +265,25 @@ class Pass {
       const Program program = walker_.run(watcher.function, arguments, Phase::unreached, none);
       if (has_steps(program.code))
         hole("a callback of a library that does something", watcher.place);
+    }
+  }
+
+  // Of nodes: what nobody keeps goes with its scope. A client has either a callback or none.
+  void look_at_ends() {
+    static const std::map<Entity::Kind, std::string> names{
+        {Entity::Kind::subscription, "subscription"},
+        {Entity::Kind::service, "service"},
+        {Entity::Kind::timer, "timer"},
+        {Entity::Kind::group, "callback group"}};
+    for (const Entity& entity : model_.entities) {
+      const bool is_client = entity.kind == Entity::Kind::client && !entity.callbacks.empty();
+      if (is_client && entity.is_asked_without) {
+        hole("a client that is asked with a callback and without", entity.place);
+      }
+      if (is_client && !entity.is_kept) hole("a client that nobody keeps", entity.place);
+      const auto name = names.find(entity.kind);
+      if (name == names.end() || entity.node == none || entity.is_kept) continue;
+      hole("a " + name->second + " that nobody keeps", entity.place);
     }
   }
 

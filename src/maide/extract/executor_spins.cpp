@@ -113,7 +113,7 @@ bool ExecutorSpins::enter_main(int executor, const Place& place) {
 }
 
 Value ExecutorSpins::spin(const std::string& word, const Expression& call, const Value& self,
-                          const Arguments& arguments) {
+                          const Arguments& arguments, Communication& communication) {
   const int executor = spun(call, self, arguments);
   if (executor == none || !enter_main(executor, call.place)) return unknown_value();
   if (word == "spin") {
@@ -123,7 +123,8 @@ Value ExecutorSpins::spin(const std::string& word, const Expression& call, const
   }
   const bool is_free = self.kind != Value::Kind::entity;
   const bool has_time = arguments.size() > (is_free ? 1U : 0U);
-  if (word == "spin_once" && has_time) {
+  if (word == "spin_once" && has_time &&
+      !communication.is_for_ever(arguments[is_free ? 1U : 0U], call.place)) {
     Code code;
     code.kind = Code::Kind::timed;
     code.text = "spin once timeout 1000";
@@ -161,7 +162,8 @@ Value ExecutorSpins::spin_until(const Expression& call, const Value& self,
   const std::string head = "spin until " + walk_.entity(client).label + " -> answer";
   const std::string status = writer_.fresh("s");
   writer_.set(status, "true");
-  const bool has_time = arguments.size() > future_at + 1;
+  const bool has_time = arguments.size() > future_at + 1 &&
+                        !communication.is_for_ever(arguments[future_at + 1], call.place);
   writer_.branch_on(future + " == pending", call.place, [&] {
     if (!has_time) {
       writer_.emit(head + ";", call.place);
@@ -187,7 +189,7 @@ Value ExecutorSpins::apply(const std::string& word, const Expression& call, cons
   }
   if (word == "join") return join(call, self);
   if (word == "spin_until") return spin_until(call, self, arguments, communication);
-  return spin(word, call, self, arguments);
+  return spin(word, call, self, arguments, communication);
 }
 
 // ---- Threads ----

@@ -28,7 +28,7 @@ class ExecutorSpins {
   // The executor that a call spins; none, and a hole, where it is not known.
   int spun(const Expression& call, const Value& self, const Arguments& arguments);
   Value spin(const std::string& word, const Expression& call, const Value& self,
-             const Arguments& arguments);
+             const Arguments& arguments, Communication& communication);
   Value spin_until(const Expression& call, const Value& self, const Arguments& arguments,
                    Communication& communication);
   bool enter_main(int executor, const Place& place);

@@ -49,7 +49,11 @@ Value ExpressionWalker::evaluate(const Expression& expression) {
       value.text = expression.text;
       return value;
     }
-    case Form::self: return walk_.values.frame().self;
+    case Form::self: {
+      Value self = walk_.values.frame().self;
+      self.is_pointer = true;
+      return self;
+    }
     case Form::name: return name(expression);
     case Form::member: return member(expression);
     case Form::call: return walk_.calls->call(expression);
@@ -122,9 +126,12 @@ Value ExpressionWalker::name(const Expression& expression) {
     return unknown_value();
   }
   const Value& self = walk_.values.frame().self;
-  const bool is_field =
-      self.kind == Value::Kind::object && walk_.object(self.index).fields.contains(expression.text);
-  if (is_field) return walk_.values.read_field(self.index, expression.text, none);
+  if (self.kind == Value::Kind::object) {
+    const std::string field = walk_.values.field_of(self.index, expression.text, none);
+    if (walk_.object(self.index).fields.contains(field)) {
+      return walk_.values.read_field(self.index, field, none);
+    }
+  }
   // An enumerator, or a constant of a library: a value that nobody calls.
   return unknown_value();
 }
@@ -177,11 +184,11 @@ Slot ExpressionWalker::slot(const Expression& expression) {
     return slot;
   }
   const Value of = evaluate(expression.operands[0]);
-  slot.name = expression.text;
   slot.variable = expression.variable;
   if (of.kind == Value::Kind::object) {
     slot.kind = Slot::Kind::field;
     slot.object = of.index;
+    slot.name = walk_.values.field_of(of.index, expression.text, expression.variable);
   }
   return slot;
 }
@@ -189,6 +196,14 @@ Slot ExpressionWalker::slot(const Expression& expression) {
 void ExpressionWalker::forget(const Expression& expression) {
   if (expression.kind != Form::name && expression.kind != Form::member) return;
   writer_.unwritten([&] { walk_.values.forget(slot(expression)); });
+}
+
+void ExpressionWalker::share(const Expression& expression) {
+  if (expression.kind == Form::cast || expression.kind == Form::conditional) {
+    for (const Expression& operand : expression.operands) share(operand);
+  }
+  if (expression.kind != Form::name && expression.kind != Form::member) return;
+  writer_.unwritten([&] { walk_.values.share(slot(expression)); });
 }
 
 void ExpressionWalker::set_constant(const Expression& expression, const Value& value) {
@@ -297,11 +312,16 @@ Value ExpressionWalker::operation(const Expression& expression) {
 
 Value ExpressionWalker::unary(const Expression& expression, const Value& first) {
   const std::string& text = expression.text;
-  if (text == "new") return first.matters() ? first : unknown_value();
-  if (text == "*") return first;
-  if (text == "&") {
-    forget(expression.operands[0]);
-    return first;
+  if (text == "new" || text == "*" || text == "&") {
+    if (text == "&") share(expression.operands[0]);
+    Value value = first.matters() || text != "new" ? first : unknown_value();
+    value.is_pointer = text != "*";
+    return value;
+  }
+  if (text == "-" && (sign_of(first) == Sign::positive)) {
+    Value value = first;
+    value.text = "-" + first.text;
+    return value;
   }
   if (text == "!") {
     Value value;

@@ -19,6 +19,8 @@ class ExpressionWalker {
                                   std::size_t first = 0);
   // Constants in the variable that this names are none any more.
   void forget(const Expression& expression);
+  // Something else may change it from here on.
+  void share(const Expression& expression);
   // The variable that this names, if it does, has this value.
   void set_constant(const Expression& expression, const Value& value);
   // A method of the class by its name alone, as in `&A::tick`.

@@ -38,6 +38,7 @@ struct Value {
   int program = 0;        // in which condition means something
   int index = none;       // of an entity, object, future
   bool is_best_effort = false, is_transient = false;  // of a qos
+  bool is_pointer = false;  // of an object: to it, so that a copy is the same object
   std::shared_ptr<Callable> callable;
 
   // Whether it is lost if nobody follows it.
@@ -74,8 +75,9 @@ struct Frame {
 
 struct Object {
   std::string of_class;
-  std::map<std::string, Value> fields;
+  std::map<std::string, Value> fields;  // of a class of the sources: by class and name
   int node = none;
+  std::string being_made{};  // the class whose constructor runs now
 };
 
 struct Entity {
@@ -95,13 +97,16 @@ struct Entity {
   std::string name;   // of the topic or service, as in ROS; of a mutex, in the file
   std::string label;  // in the system file
   std::string depth;  // of a publisher or subscription; empty: not known
+  std::string type;   // of its messages, as it is written
   bool is_best_effort = false, is_transient = false;
   int node = none;
   int group_entity = none;
   bool is_reentrant = false;
-  bool is_cancelled = false;   // by some code: then it has a variable
-  bool is_once = false;        // a timer that cancels itself
-  bool is_looked_for = false;  // its presence, by some code
+  bool is_cancelled = false;      // by some code: then it has a variable
+  bool is_once = false;           // a timer that cancels itself
+  bool is_looked_for = false;     // its presence, by some code
+  bool is_kept = false;           // by a member, a global, or a variable of main
+  bool is_asked_without = false;  // a client: requests of which no callback is told
   std::vector<Value> callbacks;
   Place place;
 };

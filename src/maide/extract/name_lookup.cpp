@@ -71,6 +71,15 @@ std::string NameLookup::api_base(const std::string& of_class) const {
   return {};
 }
 
+bool NameLookup::derives_from(const std::string& of_class, const std::string& base) const {
+  const Class* entry = find_class(of_class, "");
+  return entry != nullptr && std::ranges::any_of(entry->bases, [&](const std::string& name) {
+           const Class* known = find_class(name, outer_part(entry->name));
+           return known != nullptr && known != entry &&
+                  (known->name == base || derives_from(known->name, base));
+         });
+}
+
 bool NameLookup::has_unknown_base(const Class& entry) const {
   return std::ranges::any_of(entry.bases, [&](const std::string& base) {
     const Class* known = find_class(base, outer_part(entry.name));

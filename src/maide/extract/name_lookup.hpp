@@ -30,6 +30,8 @@ class NameLookup {
   // The class of the tables from which it derives; empty if there is none.
   std::string api_base(const std::string& of_class) const;
   bool is_node_class(const std::string& of_class) const;
+  // Whether the class of the sources is another one's, by one step or several.
+  bool derives_from(const std::string& of_class, const std::string& base) const;
   bool is_known_type(const std::string& type, const std::string& scope) const;
   // Whether some base is neither among the sources nor in a table.
   bool has_unknown_base(const Class& entry) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -74,12 +75,9 @@ Value ObjectMaker::construct(const std::string& type, Arguments arguments, const
   if (entry != nullptr && !entry->is_enumeration) {
     const bool is_copy = arguments.size() == 1 && arguments[0].kind == Value::Kind::object &&
                          walk_.object(arguments[0].index).of_class == entry->name;
-    if (is_copy) {
-      writer_.hole(place, "a copy of an object", true);
-      return arguments[0];
-    }
-    return make(entry->name, arguments, place);
+    return is_copy ? copy(arguments[0], place) : make(entry->name, arguments, place);
   }
+  refuse_parts(type, place);
   return construct_known(of_class, arguments, place, hint);
 }
 
@@ -97,6 +95,10 @@ Value ObjectMaker::construct_known(const std::string& of_class, const Arguments&
     empty.kind = Value::Kind::null;
     return empty;
   }
+  if (const ApiRow* row = walk_.table.find_function(of_class);
+      row != nullptr && row->means == "inert") {
+    return length_of_time(row->returns, arguments);
+  }
   const bool is_known = walk_.names.is_known_type(of_class, walk_.values.frame().scope);
   if (!is_known) {
     writer_.hole(place, "an object of " + of_class, any_matters(arguments));
@@ -104,6 +106,123 @@ Value ObjectMaker::construct_known(const std::string& of_class, const Arguments&
     writer_.hole(place, "an end is given to " + of_class, true);
   }
   return data_value(is_plain_type(of_class) ? "" : of_class);
+}
+
+// Whether something is called when an object of the class comes or goes.
+bool ObjectMaker::has_code(const std::string& type) const {
+  const Class* entry = walk_.names.find_class(class_of_type(type), walk_.values.frame().scope);
+  if (entry == nullptr || entry->is_enumeration || is_pointer_type(type)) return false;
+  const std::string name = last_part(entry->name);
+  return !walk_.names.all_methods(*entry, name).empty() ||
+         !walk_.names.all_methods(*entry, "~" + name).empty() || !entry->bases.empty() ||
+         entry->declared.contains(name) || entry->declared.contains("~" + name);
+}
+
+// Containers of objects make and end them when they like.
+void ObjectMaker::refuse_parts(const std::string& type, const Place& place) {
+  const std::string inner = template_arguments(type);
+  if (inner.empty()) return;
+  std::string part;
+  int depth = 0;
+  for (const char character : inner + ",") {
+    if (character == '<') ++depth;
+    if (character == '>') --depth;
+    if (character != ',' || depth > 0) {
+      part += character;
+      continue;
+    }
+    if (has_code(part)) writer_.hole(place, "a container of objects of " + part, true);
+    if (!is_pointer_type(part)) refuse_parts(part, place);
+    part.clear();
+  }
+}
+
+// An object that has the same in its fields.
+Value ObjectMaker::copy(const Value& value, const Place& place) {
+  if (value.kind != Value::Kind::object || value.is_pointer) return value;
+  const std::string of_class = walk_.object(value.index).of_class;
+  const Class* entry = walk_.names.find_class(of_class, "");
+  const std::string name = last_part(of_class);
+  bool is_strange = walk_.object(value.index).node != none;
+  if (entry != nullptr) {
+    const std::vector<int> makers = walk_.names.all_methods(*entry, name);
+    is_strange = is_strange || !entry->bases.empty() ||
+                 !walk_.names.all_methods(*entry, "~" + name).empty() ||
+                 std::ranges::any_of(makers, [&](int maker) {
+                   const auto& types = walk_.function(maker).parameter_types;
+                   return !types.empty() && last_part(class_of_type(types[0])) == name;
+                 });
+  }
+  if (is_strange) {
+    writer_.hole(place, "a copy of an object of " + of_class, true);
+    return value;
+  }
+  Value made = value;
+  made.index = static_cast<int>(walk_.model.objects.size());
+  walk_.model.objects.push_back({of_class, {}, none});
+  const std::map<std::string, Value> fields = walk_.object(value.index).fields;
+  for (const auto& [field, held] : fields) {
+    walk_.object(made.index).fields[field] =
+        copy(walk_.values.read_field(value.index, field, none), place);
+  }
+  return made;
+}
+
+Value ObjectMaker::converted(const std::string& type, Value value, const Place& place) {
+  if (is_pointer_type(type)) {
+    value.is_pointer = true;
+    return value;
+  }
+  const Class* entry = walk_.names.find_class(class_of_type(type), walk_.values.frame().scope);
+  const bool is_other = entry != nullptr && !entry->is_enumeration && type != "auto";
+  if (value.kind == Value::Kind::object) {
+    const std::string& of_class = walk_.object(value.index).of_class;
+    if (is_other && of_class != entry->name && !walk_.names.derives_from(of_class, entry->name)) {
+      writer_.hole(place, "an object of " + of_class + " becomes one of " + entry->name, true);
+    }
+    return type.ends_with("&") ? value : copy(value, place);
+  }
+  if (!is_other || value.kind == Value::Kind::mixed) return value;
+  if (walk_.names.find_class(value.type, walk_.values.frame().scope) == entry) return value;
+  if (value.type != "?" || value.matters()) return make(entry->name, {std::move(value)}, place);
+  if (has_code(type))
+    writer_.hole(place, "what is not known becomes an object of " + entry->name, true);
+  return value;
+}
+
+Value ObjectMaker::first_value(const Variable& variable, const std::vector<Expression>& expressions,
+                               bool is_set, const Place& place) {
+  const std::string type = class_of_type(variable.type);
+  const bool holds_pointer = variable.is_pointer || is_pointer_type(variable.type);
+  const bool is_list = expressions.size() == 1 && expressions[0].kind == Expression::Kind::list;
+  const bool is_filled = is_list && !holds_pointer && !variable.is_reference &&
+                         walk_.names.find_class(type, walk_.values.frame().scope) != nullptr;
+  std::vector<Value> arguments =
+      walk_.expressions->evaluate_all(is_filled ? expressions[0].operands : expressions, place);
+  if (variable.is_array && (has_code(variable.type) || any_matters(arguments))) {
+    writer_.hole(place, "an array of objects", true);
+  }
+  Value value;
+  if (arguments.empty() && (holds_pointer || variable.is_reference)) {
+    value.kind = Value::Kind::null;
+    return value;
+  }
+  if (variable.is_reference && !expressions.empty()) {
+    const bool is_constant = variable.type.starts_with("const ");
+    is_constant ? walk_.expressions->forget(expressions[0])
+                : walk_.expressions->share(expressions[0]);
+  }
+  const bool is_copy =
+      (is_set && !is_filled) || variable.is_reference || holds_pointer || type == "auto";
+  if (!is_copy) return construct(variable.type, std::move(arguments), place, variable.name);
+  if (arguments.size() != 1) {
+    if (any_matters(arguments)) writer_.hole(place, "a pointer to what is not known", true);
+    return unknown_value();
+  }
+  if (holds_pointer) arguments[0].is_pointer = true;
+  if (variable.is_reference && !arguments[0].matters()) return data_value(type);
+  if (variable.is_reference || holds_pointer) return arguments[0];
+  return converted(variable.type, std::move(arguments[0]), place);
 }
 
 // ---- Objects of the sources ----
@@ -151,15 +270,18 @@ Value ObjectMaker::make_plain_node(const Arguments& arguments, const Place& plac
   self.type = "rclcpp::Node";
   self.index = static_cast<int>(walk_.model.objects.size());
   walk_.model.objects.push_back({"rclcpp::Node", {}, none});
-  const bool is_named = !arguments.empty() && arguments[0].kind == Value::Kind::text;
-  if (!is_named) writer_.hole(place, "the name of a node is no constant", false);
-  begin_node(self, is_named ? arguments[0].text : "node", place);
+  begin_node(self, "node", place);
+  name_node(walk_.model.nodes.back(), arguments, place);
   return self;
 }
 
 void ObjectMaker::fill(const Value& self, const Class& entry, const Arguments& arguments,
                        const Place& place) {
   const Overloads makers = walk_.names.constructors(entry, arguments.size());
+  const bool is_aggregate = !arguments.empty() && entry.bases.empty() &&
+                            !entry.declared.contains(last_part(entry.name)) &&
+                            arguments.size() <= entry.members.size();
+  if (is_aggregate) return fill_in_order(self, entry, arguments, place);
   const bool is_known = makers.bodies.size() == 1 || (makers.bodies.empty() && arguments.empty());
   if (!is_known || makers.may_be_elsewhere) {
     writer_.hole(place, "constructors of " + entry.name + ": which one is not known",
@@ -169,55 +291,71 @@ void ObjectMaker::fill(const Value& self, const Class& entry, const Arguments& a
   const auto caller = walk_.values.enter(std::make_shared<Frame>());
   walk_.values.frame().self = self;
   walk_.values.frame().scope = entry.name;
-  std::set<std::string> initialised;
-  if (!makers.bodies.empty()) {
-    const Function& maker = walk_.function(makers.bodies[0]);
-    walk_.calls->bind_parameters(maker, arguments);
-    run_initialisers(self, entry, maker, initialised);
-  }
-  for (const std::string& base : entry.bases) {
-    const Class* known = walk_.names.find_class(base, outer_part(entry.name));
-    if (known != nullptr && known != &entry && !initialised.contains(known->name)) {
-      fill(self, *known, {}, place);
-    } else if (known == nullptr && !walk_.table.has_class(base)) {
-      writer_.hole(place, "a base " + base + " that is not known", true);
-    }
-  }
-  default_members(self, entry, initialised);
+  const std::string made = std::exchange(walk_.object(self.index).being_made, entry.name);
+  const Function* maker = makers.bodies.empty() ? nullptr : &walk_.function(makers.bodies[0]);
+  const Arguments fitted =
+      maker != nullptr ? walk_.calls->bind_parameters(*maker, arguments, place) : Arguments{};
+  make_bases(self, entry, maker, place);
+  make_members(self, entry, maker);
   walk_.values.enter(caller);
-  if (!makers.bodies.empty()) {
-    walk_.calls->inline_function(makers.bodies[0], self, arguments, nullptr, place);
+  if (maker != nullptr) {
+    walk_.calls->inline_function(makers.bodies[0], self, fitted, nullptr, place);
+  }
+  walk_.object(self.index).being_made = made;
+}
+
+// Point{1, 2}: the first members have these values.
+void ObjectMaker::fill_in_order(const Value& self, const Class& entry, const Arguments& arguments,
+                                const Place& place) {
+  make_members(self, entry, nullptr);
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const Variable& member = walk_.variable(entry.members[i]);
+    walk_.values.set_field(self.index, member, converted(member.type, arguments[i], place));
   }
 }
 
-void ObjectMaker::run_initialisers(const Value& self, const Class& entry, const Function& maker,
-                                   std::set<std::string>& initialised) {
-  for (const Initialiser& initialiser : maker.initialisers) {
-    initialised.insert(initialiser.member);
-    const Class* base = nullptr;
-    bool is_member = false;
-    for (const int member : entry.members) {
-      if (walk_.variable(member).name != initialiser.member) continue;
-      is_member = true;
-      initialise_member(self, walk_.variable(member),
-                        walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place),
-                        initialiser);
+// Bases come first, whatever the order in which they are written.
+void ObjectMaker::make_bases(const Value& self, const Class& entry, const Function* maker,
+                             const Place& place) {
+  std::vector<const Initialiser*> left;
+  if (maker != nullptr) {
+    for (const Initialiser& initialiser : maker->initialisers) left.push_back(&initialiser);
+  }
+  std::erase_if(left, [&](const Initialiser* initialiser) {
+    return std::ranges::any_of(entry.members, [&](int member) {
+      return walk_.variable(member).name == initialiser->member;
+    });
+  });
+  for (const std::string& base : entry.bases) {
+    const Class* known = walk_.names.find_class(base, outer_part(entry.name));
+    const auto given = std::ranges::find_if(left, [&](const Initialiser* initialiser) {
+      return last_part(initialiser->member) == last_part(base);
+    });
+    const bool is_own = known == &entry;
+    if (known == nullptr && !walk_.table.has_class(base)) {
+      writer_.hole(place, "a base " + base + " that is not known", true);
     }
-    if (is_member) continue;
-    for (const std::string& name : entry.bases) {
-      const bool is_named = last_part(name) == last_part(initialiser.member);
-      if (is_named) base = walk_.names.find_class(name, outer_part(entry.name));
+    if (given == left.end()) {
+      if (known != nullptr && !is_own) fill(self, *known, {}, place);
+      continue;
     }
-    const bool is_own = last_part(initialiser.member) == last_part(entry.name);
-    if (is_own) {
-      writer_.hole(initialiser.place, "a constructor that calls another one", true);
-    } else if (base != nullptr) {
-      initialised.insert(base->name);
-      fill(self, *base, walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place),
-           initialiser.place);
-    } else {
+    const Initialiser& initialiser = **given;
+    left.erase(given);
+    if (known == nullptr || is_own) {
       initialise_api_base(self, entry, initialiser);
+    } else {
+      fill(self, *known, walk_.expressions->evaluate_all(initialiser.arguments, initialiser.place),
+           initialiser.place);
     }
+  }
+  for (const Initialiser* initialiser : left) {
+    const bool is_own = last_part(initialiser->member) == last_part(entry.name);
+    const std::vector<Value> values =
+        walk_.expressions->evaluate_all(initialiser->arguments, initialiser->place);
+    writer_.hole(
+        initialiser->place,
+        is_own ? "a constructor that calls another one" : "a base or member " + initialiser->member,
+        is_own || any_matters(values));
   }
 }
 
@@ -231,50 +369,39 @@ void ObjectMaker::initialise_api_base(const Value& self, const Class& entry,
     return writer_.hole(initialiser.place, "a base or member " + initialiser.member,
                         any_matters(values));
   }
-  Node& node = walk_.model.nodes[static_cast<std::size_t>(walk_.node_of(self))];
+  name_node(walk_.model.nodes[static_cast<std::size_t>(walk_.node_of(self))], values,
+            initialiser.place);
+}
+
+// Node(name), Node(name, options), Node(name, namespace), Node(name, namespace, options).
+void ObjectMaker::name_node(Node& node, const Arguments& arguments, const Place& place) {
   const auto is_text = [&](std::size_t i) {
-    return values.size() > i && values[i].kind == Value::Kind::text;
+    return arguments.size() > i && arguments[i].kind == Value::Kind::text;
   };
-  if (is_text(0)) node.name = values[0].text;
-  if (is_text(1)) node.space = values[1].text;
-}
-
-void ObjectMaker::initialise_member(const Value& self, const Variable& member,
-                                    std::vector<Value> values, const Initialiser& initialiser) {
-  const bool holds_pointer =
-      member.is_pointer || member.is_reference || is_pointer_type(member.type);
-  Value value;
-  if (values.size() == 1 && (holds_pointer || values[0].kind == Value::Kind::entity)) {
-    value = values[0];
-    if (member.is_reference) walk_.expressions->forget(initialiser.arguments[0]);
-  } else if (values.empty() && holds_pointer) {
-    value.kind = Value::Kind::null;
-  } else {
-    value =
-        walk_.objects->construct(member.type, std::move(values), initialiser.place, member.name);
+  const bool has_space = arguments.size() > 1 && arguments[1].type != "rclcpp::NodeOptions";
+  if (is_text(0)) node.name = arguments[0].text;
+  if (is_text(1)) node.space = arguments[1].text;
+  if (!is_text(0) || (has_space && !is_text(1))) {
+    writer_.hole(place, "the name of a node is no constant", false);
   }
-  if (value.type.empty() && !value.matters()) value.type = class_of_type(member.type);
-  walk_.values.set_field(self.index, member.name, std::move(value));
 }
 
-void ObjectMaker::default_members(const Value& self, const Class& entry,
-                                  const std::set<std::string>& initialised) {
+// In the order in which the class has them.
+void ObjectMaker::make_members(const Value& self, const Class& entry, const Function* maker) {
   for (const int index : entry.members) {
     const Variable& member = walk_.variable(index);
-    if (initialised.contains(member.name) || member.is_static) continue;
-    std::vector<Value> values = walk_.expressions->evaluate_all(member.arguments, member.place);
-    const bool holds_pointer =
-        member.is_pointer || member.is_reference || is_pointer_type(member.type);
-    Value value;
-    if (values.size() == 1 && (holds_pointer || member.is_set)) {
-      value = values[0];
-    } else if (holds_pointer) {
-      value.kind = Value::Kind::null;
-    } else {
-      value = construct(member.type, std::move(values), member.place, member.name);
+    if (member.is_static) continue;
+    const Initialiser* given = nullptr;
+    if (maker != nullptr) {
+      for (const Initialiser& initialiser : maker->initialisers) {
+        if (initialiser.member == member.name) given = &initialiser;
+      }
     }
+    Value value = given != nullptr
+                      ? first_value(member, given->arguments, false, given->place)
+                      : first_value(member, member.arguments, member.is_set, member.place);
     if (value.type.empty() && !value.matters()) value.type = class_of_type(member.type);
-    walk_.values.set_field(self.index, member.name, std::move(value));
+    walk_.values.set_field(self.index, member, std::move(value));
   }
 }
 

@@ -1,7 +1,6 @@
 // Objects, and the nodes among them: what constructors, member initialisers and first values do.
 #pragma once
 
-#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +16,12 @@ class ObjectMaker {
   // `hint`: the variable that it is for.
   Value construct(const std::string& type, Arguments arguments, const Place& place,
                   const std::string& hint);
+  // What a variable of this type becomes that is made from `value` by `=`: a copy of an object, an
+  // object of the sources that its constructor makes of something else, or the value itself.
+  Value converted(const std::string& type, Value value, const Place& place);
+  // What a variable or member of this kind is worth at first.
+  Value first_value(const Variable& variable, const std::vector<Expression>& expressions,
+                    bool is_set, const Place& place);
   // Of a class of the sources, by its full name.
   Value make(const std::string& of_class, const Arguments& arguments, const Place& place);
   // A node of no class of its own.
@@ -27,15 +32,17 @@ class ObjectMaker {
  private:
   Value construct_known(const std::string& of_class, const Arguments& arguments, const Place& place,
                         const std::string& hint);
+  void name_node(Node& node, const Arguments& arguments, const Place& place);
   void begin_node(Value& self, const std::string& name, const Place& place);
   void fill(const Value& self, const Class& entry, const Arguments& arguments, const Place& place);
-  void run_initialisers(const Value& self, const Class& entry, const Function& maker,
-                        std::set<std::string>& initialised);
+  Value copy(const Value& value, const Place& place);
+  void refuse_parts(const std::string& type, const Place& place);
+  bool has_code(const std::string& type) const;
+  void fill_in_order(const Value& self, const Class& entry, const Arguments& arguments,
+                     const Place& place);
+  void make_bases(const Value& self, const Class& entry, const Function* maker, const Place& place);
+  void make_members(const Value& self, const Class& entry, const Function* maker);
   void initialise_api_base(const Value& self, const Class& entry, const Initialiser& initialiser);
-  void initialise_member(const Value& self, const Variable& member, std::vector<Value> values,
-                         const Initialiser& initialiser);
-  void default_members(const Value& self, const Class& entry,
-                       const std::set<std::string>& initialised);
 
   Walk& walk_;
   CodeWriter& writer_;

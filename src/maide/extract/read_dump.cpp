@@ -65,9 +65,13 @@ class ConfigurationReader {
       const bool is_enumeration = here.type == "Enum";
       if ((!is_class(here) && !is_enumeration) || here.begin == nothing) continue;
       Class& entry = sources_.classes[name_of(static_cast<int>(i))];
+      const Place place = expressions_.place(here.begin);
+      if (!entry.name.empty() && entry.place != place && !is_enumeration) {
+        sources_.faults.emplace_back(place, "another class of the name " + entry.name);
+      }
       entry.name = name_of(static_cast<int>(i));
       entry.is_enumeration = is_enumeration;
-      entry.place = expressions_.place(here.begin);
+      entry.place = place;
     }
     for (const DumpClass& type : dump_.classes) {
       if (type.scope == nothing) continue;
@@ -111,6 +115,7 @@ class ConfigurationReader {
                           : expressions_.text(found.type_begin, found.type_end + 1);
       variable.is_reference = found.is_reference;
       variable.is_pointer = found.is_pointer;
+      variable.is_array = is(found.name + 1, "[");
       variable.is_static = found.is_static;
       variable.is_extern = found.is_extern;
       variable.is_local = found.access == "Local" || found.access == "Argument";

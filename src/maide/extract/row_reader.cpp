@@ -59,8 +59,13 @@ Value RowReader::apply(const ApiRow& row, const Expression& call, const Value& s
     value.condition = "true";
     return value;
   }
-  if (row.means == "make") return make_pointed(call, std::move(arguments));
-  if (row.means == "node") return walk_.objects->make_plain_node(arguments, call.place);
+  if (row.means == "make" || row.means == "node") {
+    Value made = row.means == "make" ? make_pointed(call, std::move(arguments))
+                                     : walk_.objects->make_plain_node(arguments, call.place);
+    made.is_pointer = true;
+    return made;
+  }
+  if (row.means == "refer") return refer(call, arguments);
   if (row.means == "bind") return bind(call, arguments);
   if (row.means == "watch") return watch(row, call, arguments);
   if (row.means == "calls") return call_some(call, arguments);
@@ -90,14 +95,27 @@ Value RowReader::inert(const ApiRow& row, const Expression& call, const Value& s
 
 Value RowReader::returned(const ApiRow& row, const Expression& call, const Value& self,
                           const Arguments& arguments) const {
-  if (row.returns == "self") return self;
+  if (row.returns == "self") {
+    Value same = self;
+    same.is_pointer = true;
+    return same;
+  }
   if (row.returns == "first") return arguments.empty() ? Value{} : arguments[0];
   if (row.returns == "element") {
     return data_value(is_message_type(self.type) ? "message"
                                                  : class_of_type(template_arguments(self.type)));
   }
   if (row.returns == "template") return data_value(class_of_type(call.operands[0].type));
-  return data_value(row.returns);
+  return length_of_time(row.returns, arguments);
+}
+
+// std::ref(x): somebody else may change it.
+Value RowReader::refer(const Expression& call, const Arguments& arguments) {
+  if (arguments.size() != 1) return unknown_value();
+  walk_.expressions->share(call.operands[1]);
+  Value value = arguments[0];
+  value.is_pointer = true;
+  return value;
 }
 
 Value RowReader::make_pointed(const Expression& call, Arguments arguments) {
@@ -115,7 +133,8 @@ Value RowReader::take_out(const Expression& call, const Arguments& arguments) {
   const bool is_place =
       from.kind == Expression::Kind::name || from.kind == Expression::Kind::member;
   const bool is_parameter = from.variable != none && walk_.variable(from.variable).is_local;
-  if (is_place && arguments[0].matters() && !is_parameter) {
+  const bool is_lock = LockKeeper::is_guard(arguments[0].type);
+  if (is_place && arguments[0].matters() && (!is_parameter || is_lock)) {
     writer_.hole(call.place, "an end goes elsewhere", true);
   }
   return arguments[0];
@@ -217,7 +236,7 @@ Value RowReader::make(const std::string& of_class, const Arguments& arguments, c
     value.type = of_class;
     value.index = static_cast<int>(walk_.model.objects.size());
     walk_.model.objects.push_back({of_class, {}, none});
-    if (!arguments.empty()) writer_.hole(place, "options that are made of others", true);
+    if (!arguments.empty()) return walk_.objects->converted(of_class, arguments[0], place);
     return value;
   }
   Value qos;
@@ -226,16 +245,19 @@ Value RowReader::make(const std::string& of_class, const Arguments& arguments, c
   if (of_class == "rclcpp::SensorDataQoS") {
     qos.text = "5";
     qos.is_best_effort = true;
+  } else if (of_class == "rclcpp::ParametersQoS") {
+    qos.text = "1000";
   } else if (of_class != "rclcpp::QoS" && of_class != "rclcpp::KeepLast") {
     qos.text = "10";
   }
   if (arguments.empty()) return qos;
   const Value& depth = arguments[0];
-  if (depth.kind == Value::Kind::qos) {
+  const bool is_number = depth.kind == Value::Kind::number;
+  if (depth.kind == Value::Kind::qos && of_class == "rclcpp::QoS") {
     qos = depth;
-  } else if (depth.kind == Value::Kind::number && is_digits(depth.text)) {
+  } else if (depth.kind == Value::Kind::qos || (is_number && is_digits(depth.text))) {
     qos.text = depth.text;
-  } else if (depth.type == "rclcpp::KeepAll" || depth.type == "?" || depth.type == "rmw") {
+  } else if (!is_number && !depth.type.empty() && !is_plain_type(depth.type)) {
     writer_.hole(place, "a quality of service that is not known", false);
   }
   if (arguments.size() > 1) {

@@ -31,12 +31,7 @@ void SourceWalker::make_globals() {
     if (!is_global || variable.is_extern || variable.type.empty()) continue;
     Value value;
     const Program program = walk_.writer.write(Phase::start, none, [&] {
-      std::vector<Value> arguments = expressions_.evaluate_all(variable.arguments, variable.place);
-      const bool is_copy =
-          arguments.size() == 1 && (variable.is_set || is_pointer_type(variable.type));
-      value = is_copy ? arguments[0]
-                      : objects_.construct(variable.type, std::move(arguments), variable.place,
-                                           variable.name);
+      value = objects_.first_value(variable, variable.arguments, variable.is_set, variable.place);
     });
     if (has_steps(program.code)) {
       walk_.writer.hole(variable.place, "a global variable whose first value communicates", true);

@@ -91,7 +91,7 @@ struct Variable {
   std::string name, type;  // the type as it is written, without blanks
   std::string of_class;    // of a member; empty: a local, a parameter or a global
   bool is_local = false, is_static = false, is_extern = false;
-  bool is_reference = false, is_pointer = false;
+  bool is_reference = false, is_pointer = false, is_array = false;
   bool has_value = false;  // initialiser: arguments
   bool is_set = false;     // with `=`
   std::vector<Expression> arguments;

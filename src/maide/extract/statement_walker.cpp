@@ -98,6 +98,8 @@ void StatementWalker::returns(const Statement& next) {
   Frame& frame = walk_.values.frame();
   if (!next.expressions.empty()) {
     const Value value = walk_.expressions->evaluate(next.expressions[0]);
+    if (LockKeeper::is_guard(value.type))
+      writer_.hole(next.place, "a lock that is handed on", true);
     if (!value.condition.empty()) writer_.set(frame.return_value, value.condition);
     frame.returns.push_back(value);
   }
@@ -122,25 +124,12 @@ void StatementWalker::declare(const Statement& next) {
   if (LockKeeper::is_guard(type)) {
     return walk_.rows->locks().declare_guard(next, type);
   }
-  std::vector<Value> arguments = walk_.expressions->evaluate_all(next.expressions, next.place);
-  const bool holds_pointer = variable.is_pointer || is_pointer_type(variable.type);
-  const bool is_copy = next.is_set || variable.is_reference || holds_pointer || type == "auto";
-  Value value;
-  if (arguments.empty() && (holds_pointer || variable.is_reference)) {
-    value.kind = Value::Kind::null;
-  } else if (arguments.size() == 1 && is_copy) {
-    value = arguments[0];
-    if (variable.is_reference) walk_.expressions->forget(next.expressions[0]);
-  } else if (is_copy) {
-    if (any_matters(arguments)) writer_.hole(next.place, "a pointer to what is not known", true);
-    value = unknown_value();
-  } else {
-    value =
-        walk_.objects->construct(variable.type, std::move(arguments), next.place, variable.name);
-  }
+  Value value = walk_.objects->first_value(variable, next.expressions, next.is_set, next.place);
   const bool is_followed =
       value.matters() || value.kind == Value::Kind::status || value.kind == Value::Kind::qos;
   if (!is_followed && type != "auto") value.type = type;
+  // What main has in a variable stays while main does.
+  if (writer_.node() == none && writer_.phase() == Phase::start) walk_.values.keep(value);
   walk_.values.declare(next.variable, std::move(value));
 }
 
@@ -148,11 +137,7 @@ void StatementWalker::declare(const Statement& next) {
 void StatementWalker::declare_static(const Statement& next, const Variable& variable) {
   if (walk_.values.has_global(next.variable)) return;
   const std::size_t written = writer_.written();
-  std::vector<Value> arguments = walk_.expressions->evaluate_all(next.expressions, next.place);
-  const bool is_copy = arguments.size() == 1 && (next.is_set || is_pointer_type(variable.type));
-  Value value = is_copy ? arguments[0]
-                        : walk_.objects->construct(variable.type, std::move(arguments), next.place,
-                                                   variable.name);
+  Value value = walk_.objects->first_value(variable, next.expressions, next.is_set, next.place);
   if (writer_.written() != written) {
     writer_.hole(next.place, "a static variable whose first value communicates", true);
   }

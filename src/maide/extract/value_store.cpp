@@ -1,5 +1,6 @@
 #include "maide/extract/value_store.hpp"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -63,6 +64,9 @@ void make_any(Value& value) {
   value.presence.clear();
 }
 
+// The name under which a class of the sources keeps its member: a base may have one of that name.
+std::string name_of(const Variable& member) { return member.of_class + "::" + member.name; }
+
 // What a variable keeps of a truth value: that it is `true` here says nothing about later.
 void weaken(Value& value) {
   if (value.condition == "true" || value.condition == "false") value.condition.clear();
@@ -79,6 +83,7 @@ Slot ValueStore::slot_of(const Variable& variable, int index) const {
   slot.kind = Slot::Kind::variable;
   if (!variable.of_class.empty() && !variable.is_static) {
     slot.kind = Slot::Kind::field;
+    slot.name = name_of(variable);
     const bool is_own = frame_->self.kind == Value::Kind::object;
     slot.object = is_own ? frame_->self.index : none;
     if (!is_own) slot.kind = Slot::Kind::nowhere;
@@ -113,11 +118,41 @@ Value ValueStore::read(const Slot& slot) {
     value = data_of(slot.variable);
     value.kind = Value::Kind::mixed;
   }
+  if (is_shared(key_of(slot.variable))) make_any(value);
   return value;
 }
 
-Value ValueStore::read_field(int object, const std::string& name, int variable) {
+const Variable* ValueStore::find_member(const std::string& of_class,
+                                        const std::string& name) const {
+  const auto entry = sources_.classes.find(of_class);
+  if (entry == sources_.classes.end()) return nullptr;
+  for (const int index : entry->second.members) {
+    const Variable& member = sources_.variables[static_cast<std::size_t>(index)];
+    if (member.name == name) return &member;
+  }
+  for (const std::string& base : entry->second.bases) {
+    for (std::string around = outer_part(of_class);; around = outer_part(around)) {
+      const std::string full = around.empty() ? base : around + "::" + base;
+      if (full == of_class) break;
+      if (const Variable* member = find_member(full, name)) return member;
+      if (around.empty()) break;
+    }
+  }
+  return nullptr;
+}
+
+std::string ValueStore::field_of(int object, const std::string& name, int variable) const {
+  if (name.find("::") != std::string::npos) return name;
+  const Object& of = model_.objects[static_cast<std::size_t>(object)];
+  const Variable* member = variable == none
+                               ? find_member(of.of_class, name)
+                               : &sources_.variables[static_cast<std::size_t>(variable)];
+  return member == nullptr || member->of_class.empty() ? name : name_of(*member);
+}
+
+Value ValueStore::read_field(int object, const std::string& member, int variable) {
   Object& of = model_.objects[static_cast<std::size_t>(object)];
+  const std::string name = field_of(object, member, variable);
   Value value = data_of(variable);
   if (const auto found = of.fields.find(name); found != of.fields.end()) value = found->second;
   value.condition.clear();
@@ -127,6 +162,7 @@ Value ValueStore::read_field(int object, const std::string& name, int variable) 
     mixed.kind = Value::Kind::mixed;
     return mixed;
   }
+  if (is_shared(key_of(object, name))) make_any(value);
   return value;
 }
 
@@ -140,18 +176,29 @@ std::string ValueStore::key_of(int variable) const {
   return "variable " + known.name + " of " + to_string(known.place);
 }
 
-void ValueStore::set_field(int object, const std::string& name, Value value) {
+void ValueStore::set_field(int object, const Variable& member, Value value) {
   weaken(value);
-  field(object, name) = std::move(value);
+  keep(value);
+  field(object, name_of(member)) = std::move(value);
+}
+
+void ValueStore::keep(const Value& value) {
+  if (value.kind == Value::Kind::entity) {
+    model_.entities[static_cast<std::size_t>(value.index)].is_kept = true;
+  }
 }
 
 // A field or global: others may read it at any time.
-void ValueStore::put(Value& kept, const Value& value, const std::string& key) {
+void ValueStore::put(Value& kept, const Value& value, const std::string& key, const Place& place) {
+  if (kept.kind == Value::Kind::object && !kept.is_pointer) return put_object(kept, value, place);
   const bool was_set = kept.matters();
   const bool is_same =
       kept.kind == value.kind && kept.index == value.index && value.kind != Value::Kind::callable;
   const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional();
   if ((value.matters() || was_set) && !is_same && (was_set || is_late)) mixed_.insert(key);
+  if (kept.kind == Value::Kind::entity && !is_same) {
+    writer_.hole(place, "an end goes, or another takes its place", true);
+  }
   if (value.matters()) {
     kept = value;
   } else if (!was_set) {
@@ -163,7 +210,32 @@ void ValueStore::put(Value& kept, const Value& value, const std::string& key) {
   }
 }
 
-void ValueStore::store_local(Value& kept, const Value& value) {
+// Into an object, not a pointer to one: each field has the other's value.
+void ValueStore::put_object(Value& kept, const Value& value, const Place& place) {
+  Object& target = model_.objects[static_cast<std::size_t>(kept.index)];
+  const bool is_alike =
+      value.kind == Value::Kind::object &&
+      model_.objects[static_cast<std::size_t>(value.index)].of_class == target.of_class;
+  const bool is_followed =
+      std::ranges::any_of(target.fields, [](const auto& field) { return field.second.matters(); });
+  if (value.matters() ? !is_alike : is_followed) {
+    writer_.hole(place, "an object that another takes the place of", true);
+  }
+  if (!is_alike) {
+    for (auto& field : target.fields) make_any(field.second);
+    return;
+  }
+  const auto fields = model_.objects[static_cast<std::size_t>(value.index)].fields;
+  for (const auto& [name, field] : fields) {
+    put(target.fields[name], field, key_of(kept.index, name), place);
+  }
+}
+
+void ValueStore::store_local(Value& kept, const Value& value, const Place& place) {
+  if (kept.kind == Value::Kind::object && !kept.is_pointer) return put_object(kept, value, place);
+  if (kept.kind == Value::Kind::entity) {
+    writer_.hole(place, "an end goes, or another takes its place", true);
+  }
   const bool is_known =
       !writer_.is_conditional() && !kept.matters() && !(value.matters() && frame_->has_lambda);
   const std::string type = kept.type.empty() ? value.type : kept.type;
@@ -189,14 +261,18 @@ void ValueStore::store(const Slot& slot, const Value& value, const Place& place)
   if (slot.kind == Slot::Kind::field) {
     Value& kept = field(slot.object, slot.name);
     if (kept.type.empty() && slot.variable != none) kept.type = data_of(slot.variable).type;
-    return put(kept, value, key_of(slot.object, slot.name));
+    const bool is_option =
+        model_.objects[static_cast<std::size_t>(slot.object)].of_class.ends_with("Options");
+    if (!is_option) keep(value);
+    return put(kept, value, key_of(slot.object, slot.name), place);
   }
   if (frame_->values.contains(slot.variable)) {
-    return store_local(frame_->values[slot.variable], value);
+    return store_local(frame_->values[slot.variable], value, place);
   }
   // A global, or what a lambda refers to: others may read it at any time.
   Value* kept = local(slot.variable);
-  put(kept != nullptr ? *kept : globals_[slot.variable], value, key_of(slot.variable));
+  keep(value);
+  put(kept != nullptr ? *kept : globals_[slot.variable], value, key_of(slot.variable), place);
 }
 
 void ValueStore::forget(const Slot& slot) {
@@ -205,6 +281,12 @@ void ValueStore::forget(const Slot& slot) {
   } else if (slot.kind == Slot::Kind::field) {
     make_any(field(slot.object, slot.name));
   }
+}
+
+void ValueStore::share(const Slot& slot) {
+  forget(slot);
+  if (slot.kind == Slot::Kind::variable) mixed_.insert("any " + key_of(slot.variable));
+  if (slot.kind == Slot::Kind::field) mixed_.insert("any " + key_of(slot.object, slot.name));
 }
 
 void ValueStore::forget_what_is_set_in(const Statement& loop) {

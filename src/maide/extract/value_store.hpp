@@ -40,23 +40,38 @@ class ValueStore {
   }
 
   Slot slot_of(const Variable& variable, int index) const;
+  // The key of the field that this name means in the object.
+  std::string field_of(int object, const std::string& name, int variable) const;
   Value read(const Slot& slot);
+  // `name`: of a member of the object's class or its bases; `variable`: that member, if it is
+  // known.
   Value read_field(int object, const std::string& name, int variable);
   // A local variable, with its first value.
   void declare(int variable, Value value);
-  void declare_global(int variable, Value value) { globals_[variable] = std::move(value); }
+  void declare_global(int variable, Value value) {
+    keep(value);
+    globals_[variable] = std::move(value);
+  }
   bool has_global(int variable) const { return globals_.contains(variable); }
   void store(const Slot& slot, const Value& value, const Place& place);
-  void set_field(int object, const std::string& name, Value value);
+  void set_field(int object, const Variable& member, Value value);
   // It may have been changed by somebody who is not followed: constants are none any more.
   void forget(const Slot& slot);
+  // Somebody keeps the end: it does not go with its scope.
+  void keep(const Value& value);
+  // Something else may change it from here on: a reference, a pointer. What it is worth is never
+  // known then, before neither: other code may come later.
+  void share(const Slot& slot);
   void forget_what_is_set_in(const Statement& loop);
   Value data_of(int variable) const;
 
  private:
   Value* local(int variable);
-  void put(Value& kept, const Value& value, const std::string& key);
-  void store_local(Value& kept, const Value& value);
+  void put(Value& kept, const Value& value, const std::string& key, const Place& place);
+  void put_object(Value& kept, const Value& value, const Place& place);
+  const Variable* find_member(const std::string& of_class, const std::string& name) const;
+  bool is_shared(const std::string& key) const { return mixed_.contains("any " + key); }
+  void store_local(Value& kept, const Value& value, const Place& place);
   std::string key_of(int object, const std::string& name) const {
     return model_.objects[static_cast<std::size_t>(object)].of_class + "." + name;
   }

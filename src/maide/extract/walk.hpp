@@ -1,6 +1,7 @@
 // What the walkers share while they go through functions as they would run.
 #pragma once
 
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
@@ -75,6 +76,21 @@ inline Value status_value(const std::string& variable, int program) {
   value.condition = variable;
   value.program = program;
   return value;
+}
+
+// std::chrono::seconds(5): its text is the number, if that is known.
+inline Value length_of_time(const std::string& type, const std::vector<Value>& arguments) {
+  Value value = data_value(type);
+  if (type == "std::chrono::duration" && arguments.size() == 1) value.text = arguments[0].text;
+  return value;
+}
+
+// Whether a number or length of time is below 0.
+enum class Sign : std::uint8_t { positive, negative, unknown };
+inline Sign sign_of(const Value& value) {
+  const bool is_number = value.kind == Value::Kind::number || value.type == "std::chrono::duration";
+  if (!is_number || value.text.empty()) return Sign::unknown;
+  return value.text.starts_with('-') ? Sign::negative : Sign::positive;
 }
 
 inline std::string negation(const std::string& condition) {
