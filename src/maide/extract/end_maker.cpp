@@ -125,6 +125,7 @@ void EndMaker::read_arguments(Entity& entity, const std::string& word, const Exp
     set_group(entity, at(call, arguments, 2));
     refuse_more(call, arguments, 3);
   } else if (word == "timer") {
+    if (!arguments.empty()) entity.period = milliseconds_of(arguments[0].text);
     set_callback(entity, at(call, arguments, 1));
     set_group(entity, at(call, arguments, 2));
     refuse_more(call, arguments, 3);

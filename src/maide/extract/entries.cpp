@@ -151,7 +151,8 @@ class Pass {
   // as if somebody made it once.
   void make_part(const Class& entry) {
     const std::size_t entities = model_.entities.size(), nodes = model_.nodes.size(),
-                      holes = model_.holes.size(), threads = model_.threads.size();
+                      holes = model_.holes.size(), threads = model_.threads.size(),
+                      objects = model_.objects.size();
     const std::set<int> read = walker_.read_functions();
     Program program = walker_.make_alone(entry);
     const bool has_ends = std::any_of(
@@ -166,6 +167,7 @@ class Pass {
       return;
     }
     hole(entry.name + " is made by nothing here: taken as made once", entry.place);
+    model_.objects[objects].holders.push_back(none);
     if (model_.nodes.size() == nodes + 1) {
       model_.nodes.back().start = std::move(program);
     } else if (has_steps(program.code)) {
@@ -268,6 +270,15 @@ class Pass {
     }
   }
 
+  // Whether a node or what lives as long as main has it, by one step or several.
+  bool is_held(const std::vector<int>& holders, std::size_t steps = 0) const {
+    return steps < model_.objects.size() && std::ranges::any_of(holders, [&](int holder) {
+             if (holder == none) return true;
+             const Object& object = model_.objects[static_cast<std::size_t>(holder)];
+             return object.node != none || is_held(object.holders, steps + 1);
+           });
+  }
+
   // Of nodes: what nobody keeps goes with its scope. A client has either a callback or none.
   void look_at_ends() {
     static const std::map<Entity::Kind, std::string> names{
@@ -280,9 +291,9 @@ class Pass {
       if (is_client && entity.is_asked_without) {
         hole("a client that is asked with a callback and without", entity.place);
       }
-      if (is_client && !entity.is_kept) hole("a client that nobody keeps", entity.place);
+      if (is_client && !is_held(entity.holders)) hole("a client that nobody keeps", entity.place);
       const auto name = names.find(entity.kind);
-      if (name == names.end() || entity.node == none || entity.is_kept) continue;
+      if (name == names.end() || entity.node == none || is_held(entity.holders)) continue;
       hole("a " + name->second + " that nobody keeps", entity.place);
     }
   }

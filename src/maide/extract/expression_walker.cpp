@@ -90,6 +90,9 @@ Value ExpressionWalker::literal(const Expression& expression) const {
     value.condition = expression.text;
     value.text.clear();
   }
+  if (expression.text == "0" || expression.text == "1") {
+    value.condition = expression.text == "1" ? "true" : "false";
+  }
   if (expression.text == "nullptr" || expression.text == "NULL") value.kind = Value::Kind::null;
   return value;
 }
@@ -198,6 +201,13 @@ void ExpressionWalker::forget(const Expression& expression) {
   writer_.unwritten([&] { walk_.values.forget(slot(expression)); });
 }
 
+void ExpressionWalker::forget_whole(const Expression& expression) {
+  forget(expression);
+  const bool is_part = expression.kind == Form::cast || expression.kind == Form::other ||
+                       expression.kind == Form::call || expression.kind == Form::member;
+  if (is_part && !expression.operands.empty()) forget_whole(expression.operands[0]);
+}
+
 void ExpressionWalker::share(const Expression& expression) {
   if (expression.kind == Form::cast || expression.kind == Form::conditional) {
     for (const Expression& operand : expression.operands) share(operand);
@@ -232,6 +242,7 @@ Value ExpressionWalker::assign(const Expression& expression) {
     writer_.hole(expression.place, "an assignment to what is of no known type", value.matters());
   }
   if (expression.text != "=") value = {};
+  if (place.kind == Slot::Kind::nowhere) forget_whole(target);
   if (place.kind == Slot::Kind::nowhere && (value.matters() || before.matters())) {
     writer_.hole(expression.place, "an end is kept where it is not followed", true);
   } else {

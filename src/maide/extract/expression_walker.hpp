@@ -19,6 +19,8 @@ class ExpressionWalker {
                                   std::size_t first = 0);
   // Constants in the variable that this names are none any more.
   void forget(const Expression& expression);
+  // What the expression is an element or part of.
+  void forget_whole(const Expression& expression);
   // Something else may change it from here on.
   void share(const Expression& expression);
   // The variable that this names, if it does, has this value.

@@ -1,7 +1,6 @@
 #include "maide/extract/finite_loop.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <string>
 
@@ -20,10 +19,20 @@ void add_names(const Expression& expression, std::set<std::string>& names) {
   for (const Expression& operand : expression.operands) add_names(operand, names);
 }
 
+// Whether it may be a function of the sources: what a library has knows nothing of their variables
+// but its arguments.
+bool is_own(const Expression& callee, const Sources& sources) {
+  const std::string name = last_part(callee.text);
+  return callee.function != none || callee.variable != none ||
+         std::ranges::any_of(sources.functions,
+                             [&](const Function& function) { return function.name == name; });
+}
+
 // Whether the expression may change one of these, or hand it to somebody who does. Reading an
 // element and asking for the size do not.
-// `is_shared`: other functions of the sources may know them, too.
-bool may_change(const Expression& expression, const std::set<std::string>& names, bool is_shared) {
+// `sources`: their other functions may know them, too; null: they do not.
+bool may_change(const Expression& expression, const std::set<std::string>& names,
+                const Sources* sources) {
   static const std::set<std::string> reads{"size", "length", "empty", "at",    "begin",
                                            "end",  "front",  "back",  "c_str", "data"};
   const auto names_one = [&](const Expression& inner) {
@@ -40,13 +49,8 @@ bool may_change(const Expression& expression, const std::set<std::string>& names
   if (expression.kind == Form::lambda) return true;
   if (expression.kind == Form::call) {
     const Expression& callee = expression.operands[0];
-    const bool is_own = callee.function != none || callee.kind == Form::member ||
-                        callee.text.find("::") == std::string::npos;
-    const bool is_macro =
-        std::ranges::none_of(callee.text, [](unsigned char c) { return std::islower(c) != 0; });
-    const bool reads_only = callee.kind == Form::member && reads.contains(callee.text);
     if (callee.kind == Form::name && callee.variable != none) return true;
-    if (is_shared && is_own && !is_macro && !reads_only) return true;
+    if (sources != nullptr && is_own(callee, *sources)) return true;
     const bool is_read = callee.kind == Form::member && reads.contains(callee.text);
     for (std::size_t i = is_read ? 1 : 0; i < expression.operands.size(); ++i) {
       const Expression& part = expression.operands[i];
@@ -55,24 +59,25 @@ bool may_change(const Expression& expression, const std::set<std::string>& names
     }
   }
   return std::ranges::any_of(expression.operands, [&](const Expression& operand) {
-    return may_change(operand, names, is_shared);
+    return may_change(operand, names, sources);
   });
 }
 
-bool may_change(const Statement& statement, const std::set<std::string>& names, bool is_shared) {
+bool may_change(const Statement& statement, const std::set<std::string>& names,
+                const Sources* sources) {
   if (statement.kind == Statement::Kind::opaque) return true;
-  return std::ranges::any_of(
-             statement.expressions,
-             [&](const Expression& e) { return may_change(e, names, is_shared); }) ||
+  return std::ranges::any_of(statement.expressions,
+                             [&](const Expression& e) { return may_change(e, names, sources); }) ||
          std::ranges::any_of(statement.blocks, [&](const auto& block) {
            return std::ranges::any_of(
-               block, [&](const Statement& s) { return may_change(s, names, is_shared); });
+               block, [&](const Statement& s) { return may_change(s, names, sources); });
          });
 }
 
-bool is_changed_in_body(const Statement& loop, const std::set<std::string>& names, bool is_shared) {
+bool is_changed_in_body(const Statement& loop, const std::set<std::string>& names,
+                        const Sources* sources) {
   return std::ranges::any_of(loop.blocks.back(),
-                             [&](const Statement& s) { return may_change(s, names, is_shared); });
+                             [&](const Statement& s) { return may_change(s, names, sources); });
 }
 
 // A bound that only the body could change: literals, local numbers, the size of a local container.
@@ -120,7 +125,7 @@ bool counts(const Statement& loop, const Sources& sources) {
   std::set<std::string> names{counter.name};
   add_names(condition.operands[1], names);
   names.erase("size");
-  return !is_changed_in_body(loop, names, false);
+  return !is_changed_in_body(loop, names, nullptr);
 }
 
 }  // namespace
@@ -135,7 +140,7 @@ bool is_finite_loop(const Statement& loop, const Sources& sources) {
       container.kind == Form::name && container.variable != none &&
       sources.variables[static_cast<std::size_t>(container.variable)].is_local &&
       !sources.variables[static_cast<std::size_t>(container.variable)].is_reference;
-  return !is_changed_in_body(loop, names, !is_local);
+  return !is_changed_in_body(loop, names, is_local ? nullptr : &sources);
 }
 
 }  // namespace maide::extract

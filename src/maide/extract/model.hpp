@@ -77,7 +77,8 @@ struct Object {
   std::string of_class;
   std::map<std::string, Value> fields;  // of a class of the sources: by class and name
   int node = none;
-  std::string being_made{};  // the class whose constructor runs now
+  std::string being_made{};    // the class whose constructor runs now
+  std::vector<int> holders{};  // objects that have it in a field; none: it stays as long as main
 };
 
 struct Entity {
@@ -94,10 +95,11 @@ struct Entity {
     thread
   };
   Kind kind = Kind::publisher;
-  std::string name;   // of the topic or service, as in ROS; of a mutex, in the file
-  std::string label;  // in the system file
-  std::string depth;  // of a publisher or subscription; empty: not known
-  std::string type;   // of its messages, as it is written
+  std::string name;    // of the topic or service, as in ROS; of a mutex, in the file
+  std::string label;   // in the system file
+  std::string depth;   // of a publisher or subscription; empty: not known
+  std::string type;    // of its messages, as it is written
+  std::string period;  // of a timer, in milliseconds; empty: not known
   bool is_best_effort = false, is_transient = false;
   int node = none;
   int group_entity = none;
@@ -105,7 +107,7 @@ struct Entity {
   bool is_cancelled = false;      // by some code: then it has a variable
   bool is_once = false;           // a timer that cancels itself
   bool is_looked_for = false;     // its presence, by some code
-  bool is_kept = false;           // by a member, a global, or a variable of main
+  std::vector<int> holders;       // objects that have it in a field; none: it stays as long as main
   bool is_asked_without = false;  // a client: requests of which no callback is told
   std::vector<Value> callbacks;
   Place place;

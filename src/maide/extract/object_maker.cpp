@@ -97,7 +97,7 @@ Value ObjectMaker::construct_known(const std::string& of_class, const Arguments&
   }
   if (const ApiRow* row = walk_.table.find_function(of_class);
       row != nullptr && row->means == "inert") {
-    return length_of_time(row->returns, arguments);
+    return length_of_time(of_class, row->returns, arguments);
   }
   const bool is_known = walk_.names.is_known_type(of_class, walk_.values.frame().scope);
   if (!is_known) {
@@ -400,7 +400,9 @@ void ObjectMaker::make_members(const Value& self, const Class& entry, const Func
     Value value = given != nullptr
                       ? first_value(member, given->arguments, false, given->place)
                       : first_value(member, member.arguments, member.is_set, member.place);
-    if (value.type.empty() && !value.matters()) value.type = class_of_type(member.type);
+    if (!value.matters() && (value.type.empty() || value.type == "?")) {
+      value.type = class_of_type(member.type);
+    }
     walk_.values.set_field(self.index, member, std::move(value));
   }
 }

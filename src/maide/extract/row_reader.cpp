@@ -65,6 +65,10 @@ Value RowReader::apply(const ApiRow& row, const Expression& call, const Value& s
     made.is_pointer = true;
     return made;
   }
+  if (row.means == "shutdown") {  // main does it last; elsewhere it ends what spins
+    if (writer_.phase() == Phase::callback) writer_.hole(call.place, "a shutdown", false);
+    return {};
+  }
   if (row.means == "refer") return refer(call, arguments);
   if (row.means == "bind") return bind(call, arguments);
   if (row.means == "watch") return watch(row, call, arguments);
@@ -106,7 +110,7 @@ Value RowReader::returned(const ApiRow& row, const Expression& call, const Value
                                                  : class_of_type(template_arguments(self.type)));
   }
   if (row.returns == "template") return data_value(class_of_type(call.operands[0].type));
-  return length_of_time(row.returns, arguments);
+  return length_of_time(call.operands[0].text, row.returns, arguments);
 }
 
 // std::ref(x): somebody else may change it.
@@ -247,7 +251,7 @@ Value RowReader::make(const std::string& of_class, const Arguments& arguments, c
     qos.is_best_effort = true;
   } else if (of_class == "rclcpp::ParametersQoS") {
     qos.text = "1000";
-  } else if (of_class != "rclcpp::QoS" && of_class != "rclcpp::KeepLast") {
+  } else if (of_class == "rclcpp::ServicesQoS") {
     qos.text = "10";
   }
   if (arguments.empty()) return qos;

@@ -79,9 +79,7 @@ void StatementWalker::one(const Statement& next) {
     case Statement::Kind::repeat: return loop(next);
     case Statement::Kind::choice: return choice(next);
     case Statement::Kind::attempt: return attempt(next);
-    case Statement::Kind::block:
-      for (const auto& block : next.blocks) walk(block);
-      return;
+    case Statement::Kind::block: return block(next);
     case Statement::Kind::returns: return returns(next);
     case Statement::Kind::breaks:
     case Statement::Kind::continues: return jump(next);
@@ -91,6 +89,22 @@ void StatementWalker::one(const Statement& next) {
       }
       return writer_.raise(writer_.throw_flag());
     case Statement::Kind::opaque: return writer_.hole(next.place, next.text, true);
+  }
+}
+
+// What main declares in a block goes with it, unless main spins for ever there.
+void StatementWalker::block(const Statement& next) {
+  const std::set<std::string> before = writer_.raised();
+  for (const auto& list : next.blocks) walk(list);
+  const bool is_main = writer_.node() == none && writer_.phase() == Phase::start;
+  if (!is_main || writer_.raised() != before) return;
+  for (const auto& list : next.blocks) {
+    for (const Statement& inner : list) {
+      if (inner.kind != Statement::Kind::declaration) continue;
+      const auto kept = walk_.values.frame().values.find(inner.variable);
+      const bool matters = kept != walk_.values.frame().values.end() && kept->second.matters();
+      if (matters) writer_.hole(inner.place, "what goes with its block", true);
+    }
   }
 }
 
@@ -129,7 +143,9 @@ void StatementWalker::declare(const Statement& next) {
       value.matters() || value.kind == Value::Kind::status || value.kind == Value::Kind::qos;
   if (!is_followed && type != "auto") value.type = type;
   // What main has in a variable stays while main does.
-  if (writer_.node() == none && writer_.phase() == Phase::start) walk_.values.keep(value);
+  if (writer_.node() == none && writer_.phase() == Phase::start) {
+    walk_.values.keep(value, ValueStore::for_ever);
+  }
   walk_.values.declare(next.variable, std::move(value));
 }
 
@@ -212,7 +228,9 @@ void StatementWalker::loop_variable(const Statement& next) {
   }
   if (next.variable == none) return;
   const std::string type = class_of_type(walk_.variable(next.variable).type);
-  const std::string inner = class_of_type(template_arguments(container.type));
+  const int listed = next.expressions[0].variable;
+  const std::string of = listed == none ? container.type : walk_.variable(listed).type;
+  const std::string inner = class_of_type(template_arguments(of));
   walk_.values.declare(next.variable, data_value(type != "auto"                    ? type
                                                  : is_message_type(container.type) ? "message"
                                                  : inner.empty()                   ? "?"

@@ -32,6 +32,7 @@ class StatementWalker {
   void choice(const Statement& next);
   void attempt(const Statement& next);
   void may_throw(const Statement& next);
+  void block(const Statement& next);
   void returns(const Statement& next);
   void jump(const Statement& next);
 

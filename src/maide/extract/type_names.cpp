@@ -1,9 +1,13 @@
 #include "maide/extract/type_names.hpp"
 
-#include <array>
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace maide::extract {
 namespace {
@@ -67,6 +71,11 @@ bool is_pointer_type(std::string_view type) {
   return type.ends_with("*") || plain.ends_with("_ptr") || plain.ends_with("Ptr");
 }
 
+bool is_weak_type(std::string_view type) {
+  return type.find("weak_ptr") != std::string_view::npos || type.ends_with("WeakPtr") ||
+         type.ends_with("*");
+}
+
 bool is_plain_type(std::string_view name) {
   static const std::set<std::string_view> names{
       "bool",         "char",           "int",           "long",          "short",
@@ -78,6 +87,26 @@ bool is_plain_type(std::string_view name) {
       "std::uint8_t", "std::uint16_t",  "std::uint32_t", "std::uint64_t", "wchar_t",
       "char16_t",     "std::nullptr_t", "uint",          "std::ptrdiff_t"};
   return names.contains(name);
+}
+
+std::string unit_of_time(std::string_view word) {
+  static const std::map<std::string_view, std::string> units{
+      {"nanoseconds", "ns"}, {"microseconds", "us"}, {"milliseconds", "ms"},
+      {"seconds", "s"},      {"minutes", "min"},     {"hours", "h"}};
+  const auto unit = units.find(word);
+  return unit == units.end() ? "" : unit->second;
+}
+
+std::string milliseconds_of(const std::string& time) {
+  static const std::map<std::string_view, double> factors{{"ns", 1e-6}, {"us", 1e-3}, {"ms", 1},
+                                                          {"s", 1e3},   {"min", 6e4}, {"h", 36e5}};
+  double number = 0;
+  const auto [end, error] = std::from_chars(time.data(), time.data() + time.size(), number);
+  const auto factor = factors.find({end, time.data() + time.size()});
+  const bool is_time = error == std::errc{} && factor != factors.end() && number >= 0;
+  const double all = is_time ? number * factor->second : 0;
+  if (!is_time || all > 1e9) return {};
+  return std::to_string(static_cast<std::int64_t>(std::max(1.0, all + 0.5)));
 }
 
 std::string last_part(std::string_view name) {

@@ -178,13 +178,15 @@ std::string ValueStore::key_of(int variable) const {
 
 void ValueStore::set_field(int object, const Variable& member, Value value) {
   weaken(value);
-  keep(value);
+  if (!is_weak_type(member.type)) keep(value, object);
   field(object, name_of(member)) = std::move(value);
 }
 
-void ValueStore::keep(const Value& value) {
+void ValueStore::keep(const Value& value, int holder) {
   if (value.kind == Value::Kind::entity) {
-    model_.entities[static_cast<std::size_t>(value.index)].is_kept = true;
+    model_.entities[static_cast<std::size_t>(value.index)].holders.push_back(holder);
+  } else if (value.kind == Value::Kind::object) {
+    model_.objects[static_cast<std::size_t>(value.index)].holders.push_back(holder);
   }
 }
 
@@ -203,6 +205,7 @@ void ValueStore::put(Value& kept, const Value& value, const std::string& key, co
     kept = value;
   } else if (!was_set) {
     const std::string type = kept.type;
+    if (is_late) forget_constant(kept, key);
     kept = value;
     kept.condition.clear();
     if (is_late) make_any(kept);
@@ -258,12 +261,15 @@ void ValueStore::store(const Slot& slot, const Value& value, const Place& place)
     }
     return forget(slot);
   }
+  const bool is_weak =
+      slot.variable != none &&
+      is_weak_type(sources_.variables[static_cast<std::size_t>(slot.variable)].type);
   if (slot.kind == Slot::Kind::field) {
     Value& kept = field(slot.object, slot.name);
     if (kept.type.empty() && slot.variable != none) kept.type = data_of(slot.variable).type;
     const bool is_option =
         model_.objects[static_cast<std::size_t>(slot.object)].of_class.ends_with("Options");
-    if (!is_option) keep(value);
+    if (!is_option && !is_weak) keep(value, slot.object);
     return put(kept, value, key_of(slot.object, slot.name), place);
   }
   if (frame_->values.contains(slot.variable)) {
@@ -271,16 +277,25 @@ void ValueStore::store(const Slot& slot, const Value& value, const Place& place)
   }
   // A global, or what a lambda refers to: others may read it at any time.
   Value* kept = local(slot.variable);
-  keep(value);
+  if (!is_weak) keep(value, for_ever);
   put(kept != nullptr ? *kept : globals_[slot.variable], value, key_of(slot.variable), place);
 }
 
 void ValueStore::forget(const Slot& slot) {
   if (slot.kind == Slot::Kind::variable) {
-    if (Value* kept = local(slot.variable)) make_any(*kept);
+    Value* kept = local(slot.variable);
+    if (kept == nullptr) return;
+    frame_->values.contains(slot.variable) ? make_any(*kept)
+                                           : forget_constant(*kept, key_of(slot.variable));
   } else if (slot.kind == Slot::Kind::field) {
-    make_any(field(slot.object, slot.name));
+    forget_constant(field(slot.object, slot.name), key_of(slot.object, slot.name));
   }
+}
+
+// What is changed after the start was another value for code that was gone through before.
+void ValueStore::forget_constant(Value& kept, const std::string& key) {
+  if (writer_.phase() != Phase::start && !kept.text.empty()) mixed_.insert("any " + key);
+  make_any(kept);
 }
 
 void ValueStore::share(const Slot& slot) {

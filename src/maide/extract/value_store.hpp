@@ -49,7 +49,7 @@ class ValueStore {
   // A local variable, with its first value.
   void declare(int variable, Value value);
   void declare_global(int variable, Value value) {
-    keep(value);
+    keep(value, for_ever);
     globals_[variable] = std::move(value);
   }
   bool has_global(int variable) const { return globals_.contains(variable); }
@@ -57,8 +57,10 @@ class ValueStore {
   void set_field(int object, const Variable& member, Value value);
   // It may have been changed by somebody who is not followed: constants are none any more.
   void forget(const Slot& slot);
-  // Somebody keeps the end: it does not go with its scope.
-  void keep(const Value& value);
+  // An end or object has a holder, an object or what lives as long as main: it does not go with
+  // its scope.
+  void keep(const Value& value, int holder);
+  static constexpr int for_ever = none;
   // Something else may change it from here on: a reference, a pointer. What it is worth is never
   // known then, before neither: other code may come later.
   void share(const Slot& slot);
@@ -68,6 +70,7 @@ class ValueStore {
  private:
   Value* local(int variable);
   void put(Value& kept, const Value& value, const std::string& key, const Place& place);
+  void forget_constant(Value& kept, const std::string& key);
   void put_object(Value& kept, const Value& value, const Place& place);
   const Variable* find_member(const std::string& of_class, const std::string& name) const;
   bool is_shared(const std::string& key) const { return mixed_.contains("any " + key); }

@@ -12,6 +12,7 @@
 #include "maide/extract/model.hpp"
 #include "maide/extract/name_lookup.hpp"
 #include "maide/extract/sources.hpp"
+#include "maide/extract/type_names.hpp"
 #include "maide/extract/value_store.hpp"
 
 namespace maide::extract {
@@ -78,10 +79,13 @@ inline Value status_value(const std::string& variable, int program) {
   return value;
 }
 
-// std::chrono::seconds(5): its text is the number, if that is known.
-inline Value length_of_time(const std::string& type, const std::vector<Value>& arguments) {
+// std::chrono::seconds(5) is `5s`, if the number is known.
+inline Value length_of_time(const std::string& name, const std::string& type,
+                            const std::vector<Value>& arguments) {
   Value value = data_value(type);
-  if (type == "std::chrono::duration" && arguments.size() == 1) value.text = arguments[0].text;
+  if (type != "std::chrono::duration" || arguments.size() != 1) return value;
+  value.text = arguments[0].text;
+  if (!value.text.empty()) value.text += unit_of_time(last_part(name));
   return value;
 }
 

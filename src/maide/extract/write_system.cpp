@@ -399,7 +399,7 @@ class SystemWriter {
     if (of.kind == Entity::Kind::subscription) callback.set("takes", YamlNode(of.label + ".read"));
     if (of.kind == Entity::Kind::service) callback.set("serves", YamlNode(of.label));
     if (of.kind == Entity::Kind::timer) {
-      callback.set("timer", YamlNode("1000"));
+      callback.set("timer", YamlNode(of.period.empty() ? "1000" : of.period));
       if (of.is_cancelled) {
         callback.set("when", quoted(of.label + "_on"));
         variables += "var " + of.label + "_on: bool = true; ";
