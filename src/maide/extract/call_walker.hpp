@@ -24,6 +24,9 @@ class CallWalker {
   // Constants in variables that were handed on are none any more.
   void forget_arguments(const Expression& call);
 
+  // How many functions are inside each other here.
+  std::size_t depth() const { return stack_.size(); }
+
  private:
   Value call_name(const Expression& expression, const Expression& callee);
   Value call_method(const Expression& expression, const Expression& callee);

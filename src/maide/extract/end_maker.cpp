@@ -74,6 +74,9 @@ Value EndMaker::make(const std::string& word, const Expression& call, const Valu
     writer_.hole(call.place, "the name of a " + word + " is no constant", true);
     return unknown_value();
   }
+  if (has_name && arguments[0].text.find('{') != std::string::npos) {
+    writer_.hole(call.place, "a name that is filled in", true);
+  }
   entity.name = has_name ? resolve(arguments[0].text, entity.node) : word;
   if (is_local_client) {
     if (const int known = find_made_here(entity); known != none) return known_client(known);

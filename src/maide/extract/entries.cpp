@@ -128,7 +128,9 @@ class Pass {
       const bool is_component =
           std::ranges::find(sources_.components, named.first) != sources_.components.end();
       if (is_node && !is_made(named.first) && (is_component || !is_base(named.second))) {
+        const std::size_t objects = model_.objects.size();
         walker_.make_alone(named.second);
+        if (objects < model_.objects.size()) model_.objects[objects].holders.push_back(none);
       }
     }
     for (const auto& named : sources_.classes) {
@@ -270,12 +272,11 @@ class Pass {
     }
   }
 
-  // Whether a node or what lives as long as main has it, by one step or several.
+  // Whether what lives as long as main has it, by one step or several.
   bool is_held(const std::vector<int>& holders, std::size_t steps = 0) const {
-    return steps < model_.objects.size() && std::ranges::any_of(holders, [&](int holder) {
-             if (holder == none) return true;
-             const Object& object = model_.objects[static_cast<std::size_t>(holder)];
-             return object.node != none || is_held(object.holders, steps + 1);
+    return steps <= model_.objects.size() && std::ranges::any_of(holders, [&](int holder) {
+             return holder == none ||
+                    is_held(model_.objects[static_cast<std::size_t>(holder)].holders, steps + 1);
            });
   }
 
@@ -286,6 +287,12 @@ class Pass {
         {Entity::Kind::service, "service"},
         {Entity::Kind::timer, "timer"},
         {Entity::Kind::group, "callback group"}};
+    for (const Node& node : model_.nodes) {
+      Object& object = model_.objects[static_cast<std::size_t>(node.object)];
+      if (is_held(object.holders)) continue;
+      hole("a node that nobody keeps", node.place);
+      object.holders.push_back(none);  // said once
+    }
     for (const Entity& entity : model_.entities) {
       const bool is_client = entity.kind == Entity::Kind::client && !entity.callbacks.empty();
       if (is_client && entity.is_asked_without) {

@@ -89,6 +89,7 @@ int ExecutorSpins::spun(const Expression& call, const Value& self, const Argumen
     writer_.hole(call.place, "a spin of what is not known", any_matters(arguments));
     return none;
   }
+  walk_.values.keep(arguments[0], ValueStore::for_ever);
   // rclcpp::spin(node): an executor of its own, the same each time.
   for (std::size_t i = 0; i < walk_.model.executors.size(); ++i) {
     const std::vector<int>& nodes = walk_.model.executors[i].nodes;

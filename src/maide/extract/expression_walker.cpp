@@ -150,6 +150,9 @@ Value ExpressionWalker::function_of_name(const Expression& expression) {
   std::vector<int> found;
   if (const Class* entry = walk_.names.find_class(outer_part(expression.text), scope)) {
     found = walk_.names.all_methods(*entry, last_part(expression.text));
+    if (walk_.names.is_overridden(*entry, last_part(expression.text))) {
+      writer_.hole(expression.place, "which function " + expression.text + " means", true);
+    }
   } else {
     for (std::size_t count = 0; count < 4; ++count) {
       for (const int body : walk_.names.free_functions(expression.text, scope, count).bodies) {

@@ -13,6 +13,21 @@ namespace {
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
+// `500ms` as a call, `std::chrono::milliseconds(500)`: cppcheck 2.10 ends where it adds up such
+// numbers. Empty: it is another number.
+std::string time_of(std::string_view number) {
+  static const std::vector<std::pair<std::string_view, std::string>> units{
+      {"ms", "milliseconds"}, {"us", "microseconds"}, {"ns", "nanoseconds"},
+      {"min", "minutes"},     {"h", "hours"},         {"s", "seconds"}};
+  if (number.starts_with("0x") || number.starts_with("0X")) return {};
+  for (const auto& [suffix, unit] : units) {
+    if (!number.ends_with(suffix)) continue;
+    number.remove_suffix(suffix.size());
+    return "std::chrono::" + unit + "(" + std::string(number) + ")";
+  }
+  return {};
+}
+
 struct Piece {
   enum class Kind { word, number, sign, text, directive } kind = Kind::sign;
   std::size_t begin = 0, end = 0;
@@ -181,19 +196,15 @@ LexedFile lex_cpp(std::string_view text, const std::string& file) {
 
 std::string prepare_cpp(std::string_view text, std::vector<std::string>& components) {
   std::string prepared(text);
+  std::vector<std::pair<Piece, std::string>> times;
   const std::vector<Piece> pieces = Pieces(text).read();
   const auto word_of = [&](std::size_t i) {
     return text.substr(pieces[i].begin, pieces[i].end - pieces[i].begin);
   };
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     if (pieces[i].kind == Piece::Kind::number) {
-      std::size_t end = pieces[i].end;
-      const std::string_view number = word_of(i);
-      if (number.starts_with("0x") || number.starts_with("0X")) continue;
-      for (const std::string_view suffix : {"ms", "us", "ns", "min", "h", "s"}) {
-        if (!number.ends_with(suffix)) continue;
-        for (std::size_t k = end - suffix.size(); k < end; ++k) prepared[k] = ' ';
-        break;
+      if (std::string time = time_of(word_of(i)); !time.empty()) {
+        times.emplace_back(pieces[i], std::move(time));
       }
     }
     if (pieces[i].kind == Piece::Kind::word && is_format_word(word_of(i))) {
@@ -214,6 +225,10 @@ std::string prepare_cpp(std::string_view text, std::vector<std::string>& compone
     for (std::size_t at = pieces[i].begin; at < end; ++at) {
       if (prepared[at] != '\n') prepared[at] = ' ';
     }
+  }
+  for (; !times.empty(); times.pop_back()) {  // the last first: the others stay where they are
+    const auto& [piece, time] = times.back();
+    prepared.replace(piece.begin, piece.end - piece.begin, time);
   }
   return prepared;
 }

@@ -23,9 +23,9 @@ struct LexedFile {
 
 LexedFile lex_cpp(std::string_view text, const std::string& file);
 
-// The text with what cppcheck 2.10 cannot read made blank: suffixes of numbers such as `500ms`,
-// formats such as PRId64, and the registration of components, whose classes are returned. Lines
-// stay where they are.
+// The text as cppcheck 2.10 can read it: times such as `500ms` are calls; formats such as PRId64
+// and the registration of components, whose classes are returned, are blank. Lines stay where they
+// are.
 std::string prepare_cpp(std::string_view text, std::vector<std::string>& components);
 
 }  // namespace maide::extract

@@ -80,6 +80,14 @@ bool NameLookup::derives_from(const std::string& of_class, const std::string& ba
          });
 }
 
+bool NameLookup::is_overridden(const Class& entry, const std::string& method) const {
+  const auto [first, last] = by_name_.equal_range(method);
+  return std::any_of(first, last, [&](const auto& named) {
+    const Function& function = sources_.functions[static_cast<std::size_t>(named.second)];
+    return derives_from(function.of_class, entry.name);
+  });
+}
+
 bool NameLookup::has_unknown_base(const Class& entry) const {
   return std::ranges::any_of(entry.bases, [&](const std::string& base) {
     const Class* known = find_class(base, outer_part(entry.name));

@@ -32,6 +32,8 @@ class NameLookup {
   bool is_node_class(const std::string& of_class) const;
   // Whether the class of the sources is another one's, by one step or several.
   bool derives_from(const std::string& of_class, const std::string& base) const;
+  // Whether a class that derives from it has a method of that name, too.
+  bool is_overridden(const Class& entry, const std::string& method) const;
   bool is_known_type(const std::string& type, const std::string& scope) const;
   // Whether some base is neither among the sources nor in a table.
   bool has_unknown_base(const Class& entry) const;

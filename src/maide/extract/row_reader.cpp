@@ -65,10 +65,7 @@ Value RowReader::apply(const ApiRow& row, const Expression& call, const Value& s
     made.is_pointer = true;
     return made;
   }
-  if (row.means == "shutdown") {  // main does it last; elsewhere it ends what spins
-    if (writer_.phase() == Phase::callback) writer_.hole(call.place, "a shutdown", false);
-    return {};
-  }
+  if (row.means == "shutdown") return shut_down(call);
   if (row.means == "refer") return refer(call, arguments);
   if (row.means == "bind") return bind(call, arguments);
   if (row.means == "watch") return watch(row, call, arguments);
@@ -111,6 +108,14 @@ Value RowReader::returned(const ApiRow& row, const Expression& call, const Value
   }
   if (row.returns == "template") return data_value(class_of_type(call.operands[0].type));
   return length_of_time(call.operands[0].text, row.returns, arguments);
+}
+
+// Nothing that main does behind it is heard of. In a callback it ends what spins.
+Value RowReader::shut_down(const Expression& call) {
+  if (writer_.phase() == Phase::callback) writer_.hole(call.place, "a shutdown", false);
+  const bool is_main = writer_.phase() == Phase::start && writer_.node() == none;
+  if (is_main) writer_.raise(writer_.fresh("over"));
+  return {};
 }
 
 // std::ref(x): somebody else may change it.

@@ -40,6 +40,7 @@ class RowReader {
   Value bind(const Expression& call, const Arguments& arguments);
   Value watch(const ApiRow& row, const Expression& call, const Arguments& arguments);
   Value call_some(const Expression& call, const Arguments& arguments);
+  Value shut_down(const Expression& call);
   Value refer(const Expression& call, const Arguments& arguments);
   Value take_out(const Expression& call, const Arguments& arguments);
   Value quality(const ApiRow& row, const Expression& call, const Value& self,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "maide/extract/call_walker.hpp"
 #include "maide/extract/expression_walker.hpp"
 #include "maide/extract/finite_loop.hpp"
 #include "maide/extract/lock_keeper.hpp"
@@ -143,9 +144,8 @@ void StatementWalker::declare(const Statement& next) {
       value.matters() || value.kind == Value::Kind::status || value.kind == Value::Kind::qos;
   if (!is_followed && type != "auto") value.type = type;
   // What main has in a variable stays while main does.
-  if (writer_.node() == none && writer_.phase() == Phase::start) {
-    walk_.values.keep(value, ValueStore::for_ever);
-  }
+  const bool is_main = writer_.node() == none && writer_.phase() == Phase::start;
+  if (is_main && walk_.calls->depth() == 1) walk_.values.keep(value, ValueStore::for_ever);
   walk_.values.declare(next.variable, std::move(value));
 }
 

@@ -182,6 +182,15 @@ void ValueStore::set_field(int object, const Variable& member, Value value) {
   field(object, name_of(member)) = std::move(value);
 }
 
+// An end, or an object with one.
+bool ValueStore::is_end(const Value& value) const {
+  const bool is_object = value.kind == Value::Kind::object;
+  return value.kind == Value::Kind::entity ||
+         (is_object && std::ranges::any_of(model_.entities, [&](const Entity& entity) {
+            return std::ranges::find(entity.holders, value.index) != entity.holders.end();
+          }));
+}
+
 void ValueStore::keep(const Value& value, int holder) {
   if (value.kind == Value::Kind::entity) {
     model_.entities[static_cast<std::size_t>(value.index)].holders.push_back(holder);
@@ -198,7 +207,7 @@ void ValueStore::put(Value& kept, const Value& value, const std::string& key, co
       kept.kind == value.kind && kept.index == value.index && value.kind != Value::Kind::callable;
   const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional();
   if ((value.matters() || was_set) && !is_same && (was_set || is_late)) mixed_.insert(key);
-  if (kept.kind == Value::Kind::entity && !is_same) {
+  if (is_end(kept) && !is_same) {
     writer_.hole(place, "an end goes, or another takes its place", true);
   }
   if (value.matters()) {
@@ -236,9 +245,7 @@ void ValueStore::put_object(Value& kept, const Value& value, const Place& place)
 
 void ValueStore::store_local(Value& kept, const Value& value, const Place& place) {
   if (kept.kind == Value::Kind::object && !kept.is_pointer) return put_object(kept, value, place);
-  if (kept.kind == Value::Kind::entity) {
-    writer_.hole(place, "an end goes, or another takes its place", true);
-  }
+  if (is_end(kept)) writer_.hole(place, "an end goes, or another takes its place", true);
   const bool is_known =
       !writer_.is_conditional() && !kept.matters() && !(value.matters() && frame_->has_lambda);
   const std::string type = kept.type.empty() ? value.type : kept.type;

@@ -71,6 +71,7 @@ class ValueStore {
   Value* local(int variable);
   void put(Value& kept, const Value& value, const std::string& key, const Place& place);
   void forget_constant(Value& kept, const std::string& key);
+  bool is_end(const Value& value) const;
   void put_object(Value& kept, const Value& value, const Place& place);
   const Variable* find_member(const std::string& of_class, const std::string& name) const;
   bool is_shared(const std::string& key) const { return mixed_.contains("any " + key); }
