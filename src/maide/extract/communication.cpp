@@ -177,6 +177,22 @@ Value Communication::send(int client, const Expression& call, const std::vector<
 
 // ---- Futures ----
 
+Value Communication::forget(const Expression& call, const Value& self,
+                            const std::vector<Value>& arguments) {
+  const bool is_client = self.kind == Value::Kind::entity;
+  const auto sent = arguments.empty() ? futures_.end() : futures_.find(arguments[0].index);
+  const bool is_own = is_client && !arguments.empty() && arguments[0].kind == Value::Kind::future &&
+                      sent != futures_.end() && sent->second.program == writer_.program() &&
+                      walk_.entity(self.index).callbacks.empty();
+  if (is_own) {
+    sent->second.is_given_up = true;
+    writer_.set(variable_of(arguments[0]), "none");
+  } else {
+    writer_.hole(call.place, "a request that is given up", false);
+  }
+  return {};
+}
+
 int Communication::client_of_last(const Value& future, const Place& place) {
   const auto found = futures_.find(future.index);
   const bool is_own = future.kind == Value::Kind::future && found != futures_.end() &&
@@ -191,6 +207,9 @@ int Communication::client_of_last(const Value& future, const Place& place) {
   const auto others = std::ranges::count_if(futures_, [&](const auto& other) {
     return other.second.client == found->second.client && other.second.program == writer_.program();
   });
+  if (found->second.is_given_up) {  // it throws std::future_error
+    writer_.branch_on(name + " == none", place, [&] { writer_.raise(writer_.throw_flag()); });
+  }
   if (others > 1) {
     writer_.branch_on(name + " == none || " + name + " == old", place, [&] {
       writer_.hole(place, "a future whose request is not the last", false);

@@ -18,9 +18,12 @@ class Communication {
 
   Value apply(const std::string& word, const Expression& call, const Value& self,
               const std::vector<Value>& arguments);
+  // remove_pending_request(future): its answer comes to nobody.
+  Value forget(const Expression& call, const Value& self, const std::vector<Value>& arguments);
+  // Whether a wait of that time has no end; notes where that is not known.
+  bool is_for_ever(const Value& time, const Place& place);
   // The client whose request this future is of, if the program that is being written sent it;
   // cuts the run where it may be of an older one.
-  bool is_for_ever(const Value& time, const Place& place);
   int client_of_last(const Value& future, const Place& place);
   static std::string variable_of(const Value& future) {
     return "f_" + std::to_string(future.index);
@@ -38,6 +41,7 @@ class Communication {
 
   struct Sent {
     int client = none, program = 0;
+    bool is_given_up = false;
   };
   Walk& walk_;
   CodeWriter& writer_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -86,6 +87,28 @@ Value EndMaker::make(const std::string& word, const Expression& call, const Valu
   entity.label = label_for(entity, word);
   if (word == "service") writer_.emit("offer " + entity.label + ";", call.place);
   return walk_.objects->make_entity(std::move(entity), end_words().at(word).type);
+}
+
+Value EndMaker::make_publisher(const std::string& what, const std::string& of_class,
+                               const std::vector<Value>& arguments, const Place& place) {
+  std::istringstream words(what);
+  Entity entity;
+  std::string kept;
+  words >> entity.name >> entity.depth >> kept;
+  for (const Value& argument : arguments) {
+    if (walk_.node_of(argument) != none) entity.node = walk_.node_of(argument);
+  }
+  entity.place = place;
+  const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional();
+  if (is_late || entity.node == none) {
+    writer_.hole(place, "a publisher that is made later, or under a condition", true);
+    return unknown_value();
+  }
+  if (!kept.empty()) {
+    writer_.hole(place, "what was sent before somebody came is kept for him", false);
+  }
+  entity.label = label_for(entity, "publisher");
+  return walk_.objects->make_entity(std::move(entity), of_class);
 }
 
 // Of an earlier walk through the same call.

@@ -17,6 +17,10 @@ class EndMaker {
   Value make(const std::string& word, const Expression& call, const Value& self,
              const std::vector<Value>& arguments);
 
+  // Of an object of a library that has one: `NAME DEPTH [kept]`, and the node among its arguments.
+  Value make_publisher(const std::string& what, const std::string& of_class,
+                       const std::vector<Value>& arguments, const Place& place);
+
  private:
   // What a call has at this place; `nothing` where it has no such argument.
   struct Given {

@@ -119,7 +119,7 @@ Value ExecutorSpins::spin(const std::string& word, const Expression& call, const
   if (executor == none || !enter_main(executor, call.place)) return unknown_value();
   if (word == "spin") {
     writer_.emit("spin;", call.place);
-    writer_.raise(writer_.fresh("over"));  // ok() is true: it never returns
+    walk_.end_main();  // ok() is true: it never returns
     return {};
   }
   const bool is_free = self.kind != Value::Kind::entity;

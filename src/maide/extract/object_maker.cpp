@@ -86,6 +86,9 @@ Value ObjectMaker::construct_known(const std::string& of_class, const Arguments&
   if (RowReader::makes(of_class)) {
     return walk_.rows->make(of_class, arguments, place, hint);
   }
+  if (const ApiRow* row = walk_.table.find_method(of_class, "()")) {
+    return walk_.rows->construct(*row, of_class, arguments, place);
+  }
   if (of_class == "std::function" && arguments.size() == 1) return arguments[0];
   if (of_class == "std::string" && arguments.size() == 1 && !arguments[0].matters()) {
     return arguments[0];

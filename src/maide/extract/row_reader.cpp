@@ -65,6 +65,7 @@ Value RowReader::apply(const ApiRow& row, const Expression& call, const Value& s
     made.is_pointer = true;
     return made;
   }
+  if (row.means == "forget_request") return communication_.forget(call, self, arguments);
   if (row.means == "shutdown") return shut_down(call);
   if (row.means == "refer") return refer(call, arguments);
   if (row.means == "bind") return bind(call, arguments);
@@ -114,7 +115,7 @@ Value RowReader::returned(const ApiRow& row, const Expression& call, const Value
 Value RowReader::shut_down(const Expression& call) {
   if (writer_.phase() == Phase::callback) writer_.hole(call.place, "a shutdown", false);
   const bool is_main = writer_.phase() == Phase::start && writer_.node() == none;
-  if (is_main) writer_.raise(writer_.fresh("over"));
+  if (is_main) walk_.end_main();
   return {};
 }
 
@@ -226,6 +227,18 @@ Value RowReader::call_some(const Expression& call, const Arguments& arguments) {
 }
 
 // ---- Objects of libraries ----
+
+// `inert`; `keeps`: what it is given, and does nothing with it that counts; `publisher NAME DEPTH
+// [kept]`: a publisher of the node that it is given.
+Value RowReader::construct(const ApiRow& row, const std::string& of_class,
+                           const Arguments& arguments, const Place& place) {
+  if (row.means == "publisher")
+    return ends_.make_publisher(row.returns, of_class, arguments, place);
+  if (row.means != "keeps" && any_matters(arguments)) {
+    writer_.hole(place, "an end is given to " + of_class, true);
+  }
+  return data_value(of_class);
+}
 
 bool RowReader::makes(const std::string& of_class) {
   return of_class == "rclcpp::QoS" || of_class == "rclcpp::SensorDataQoS" ||

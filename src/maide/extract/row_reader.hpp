@@ -28,6 +28,9 @@ class RowReader {
   static bool makes(const std::string& of_class);
   Value make(const std::string& of_class, const std::vector<Value>& arguments, const Place& place,
              const std::string& hint);
+  // An object of a class that has a row "()".
+  Value construct(const ApiRow& row, const std::string& of_class,
+                  const std::vector<Value>& arguments, const Place& place);
   LockKeeper& locks() { return locks_; }
 
  private:

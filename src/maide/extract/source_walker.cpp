@@ -43,7 +43,11 @@ void SourceWalker::make_globals() {
 
 Program SourceWalker::run(const Value& callable, const std::vector<Value>& arguments, Phase phase,
                           int node) {
-  return walk_.writer.write(phase, node, [&] { calls_.call_value(callable, arguments, Place{}); });
+  walk_.is_main_over = false;
+  Program program =
+      walk_.writer.write(phase, node, [&] { calls_.call_value(callable, arguments, Place{}); });
+  walk_.is_main_over = false;
+  return program;
 }
 
 Program SourceWalker::make_alone(const Class& entry) {

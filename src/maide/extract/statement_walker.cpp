@@ -38,6 +38,7 @@ bool has_call(const Expression& expression) {
 void StatementWalker::walk(const std::vector<Statement>& list) {
   const CodeWriter::Scope scope(writer_);
   for (const Statement& next : list) {
+    if (walk_.is_main_over) return;
     const std::set<std::string> before = writer_.raised();
     may_throw(next);
     writer_.guard_rest(before);

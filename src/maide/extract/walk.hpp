@@ -41,13 +41,20 @@ struct Walk {
   std::set<int> read;       // functions that were gone through
   std::set<int> main_uses;  // nodes whose ends main uses
   int main_executor = none;
-  int acting_calls = 0;  // of the statement: those of rows that did something
+  bool is_main_over = false;  // nothing that stands behind is done
+  int acting_calls = 0;       // of the statement: those of rows that did something
 
   StatementWalker* statements = nullptr;
   ExpressionWalker* expressions = nullptr;
   CallWalker* calls = nullptr;
   ObjectMaker* objects = nullptr;
   RowReader* rows = nullptr;
+
+  // main does nothing behind this: it spins for ever, or nothing of it is heard of any more.
+  void end_main() {
+    is_main_over = !writer.is_conditional();
+    writer.raise(writer.fresh("over"));
+  }
 
   const Variable& variable(int index) const {
     return sources.variables[static_cast<std::size_t>(index)];
