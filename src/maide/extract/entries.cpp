@@ -238,6 +238,14 @@ class Pass {
     return given;
   }
 
+  static Code either(std::vector<Code> one, std::vector<Code> other) {
+    Code choice;
+    choice.kind = Code::Kind::branch;
+    choice.text = "*";
+    choice.arms = {{"", std::move(one)}, {"", std::move(other)}};
+    return choice;
+  }
+
   void run_callback(int index, std::size_t which, const Entity& entity) {
     done_[index] = which + 1;
     const Value& callback = entity.callbacks[which];
@@ -249,11 +257,7 @@ class Pass {
     }
     // A client whose answers go to several functions: any of them.
     Program& all = model_.programs[index];
-    Code choice;
-    choice.kind = Code::Kind::branch;
-    choice.text = "*";
-    choice.arms = {{"", std::move(all.code)}, {"", std::move(program.code)}};
-    all.code = {std::move(choice)};
+    all.code = {either(std::move(all.code), std::move(program.code))};
     all.variables.insert(all.variables.end(), program.variables.begin(), program.variables.end());
   }
 
@@ -280,7 +284,7 @@ class Pass {
            });
   }
 
-  // Of nodes: what nobody keeps goes with its scope. A client has either a callback or none.
+  // Of nodes: what nobody keeps goes with its scope.
   void look_at_ends() {
     static const std::map<Entity::Kind, std::string> names{
         {Entity::Kind::subscription, "subscription"},
@@ -295,8 +299,9 @@ class Pass {
     }
     for (const Entity& entity : model_.entities) {
       const bool is_client = entity.kind == Entity::Kind::client && !entity.callbacks.empty();
-      if (is_client && entity.is_asked_without) {
-        hole("a client that is asked with a callback and without", entity.place);
+      if (is_client && entity.is_asked_without) {  // any of its answers calls something, or none
+        Program& program = model_.programs[static_cast<int>(&entity - model_.entities.data())];
+        program.code = {either(std::move(program.code), {})};
       }
       if (is_client && !is_held(entity.holders)) hole("a client that nobody keeps", entity.place);
       const auto name = names.find(entity.kind);
