@@ -196,6 +196,31 @@ TEST_F(CheckCommand, JUnitHasACaseForEachProperty) {
   EXPECT_THAT(full.out, HasSubstr("verdict: violated"));
 }
 
+// A violation at the line of its last step, with its run as a flow.
+TEST_F(CheckCommand, SarifHasWhatIsViolated) {
+  const std::string path = file("s s.yaml", counted), sarif = (folder_.path() / "r.sarif").string();
+  const SubprocessResult result = run_maide({"check", path, "--sarif", sarif, "--set", "n=4"});
+  EXPECT_EQ(result.exit_status, 1) << result.err;
+  const Json json = parse_json(read_file(sarif), sarif);
+  EXPECT_EQ(json["version"], "2.1.0");
+  const Json& run = json["runs"][0];
+  EXPECT_EQ(run["tool"]["driver"]["rules"].size(), 4U);
+  ASSERT_EQ(run["results"].size(), 2U);
+  for (const Json& found : run["results"]) {
+    EXPECT_EQ(found["level"], "error");
+    const Json& place = found["locations"][0]["physicalLocation"];
+    EXPECT_THAT(place["artifactLocation"]["uri"].get<std::string>(),
+                AllOf(testing::StartsWith("file:///"), testing::EndsWith("/s%20s.yaml")));
+    const Json& steps = found["codeFlows"][0]["threadFlows"][0]["locations"];
+    ASSERT_FALSE(steps.empty());
+    EXPECT_EQ(steps.back()["location"]["physicalLocation"]["region"], place["region"]);
+    EXPECT_FALSE(steps[0]["location"]["message"]["text"].get<std::string>().empty());
+  }
+  EXPECT_THAT(run["results"][0]["message"]["text"].get<std::string>(), HasSubstr("a@d holds"));
+  expect_error(run_maide({"check", path, "--sarif", path}), 2, "write over");
+  EXPECT_EQ(run_maide({"check", path, "--sarif", "/dev/full"}).exit_status, 2);
+}
+
 TEST_F(CheckCommand, ConstantsMayHaveOtherValues) {
   const std::string path = file("s.yaml", counted), trace = (folder_.path() / "t.json").string();
   const auto set = [&](const std::string& value) {

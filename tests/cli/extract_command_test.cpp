@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "maide/base/error.hpp"
 #include "maide/base/file.hpp"
+#include "maide/base/json.hpp"
 #include "maide/base/subprocess.hpp"
 #include "run_maide.hpp"
 
@@ -56,6 +58,24 @@ TEST_F(ExtractCommand, CheckNamesTheLineOfTheSource) {
               AllOf(HasSubstr("read: 1 node from 1 file, 0 holes\n"),
                     HasSubstr("with threads=1:\nverdict: violated"),
                     HasSubstr("with threads=4:\nverdict: violated"), HasSubstr("asker.cpp:9")));
+}
+
+// Steps of the file that was made have no place; holes are warnings at their lines.
+TEST_F(ExtractCommand, SarifHasPlacesOfTheSources) {
+  const std::string sarif = (folder_.path() / "r.sarif").string();
+  std::string text = asker;
+  text.replace(text.find("    client_->"), 0, "    vendor::beep();\n");
+  const std::string path = write("asker.cpp", text);
+  run_maide({"check", path, "--executor", "single", "--sarif", sarif});
+  const Json json = parse_json(read_file(sarif), sarif);
+  const Json& results = json["runs"][0]["results"];
+  ASSERT_FALSE(results.empty());
+  for (const Json& found : results) {
+    EXPECT_THAT(found.dump(), Not(HasSubstr("was%20extracted")));
+    EXPECT_THAT(found["locations"].dump(), HasSubstr("/asker.cpp"));
+  }
+  EXPECT_EQ(results.back()["ruleId"], "hole");
+  EXPECT_EQ(results.back()["locations"][0]["physicalLocation"]["region"]["startLine"], 9);
 }
 
 TEST_F(ExtractCommand, TheExecutorIsSaidOnce) {

@@ -40,6 +40,7 @@
 #include "maide/report/html_report.hpp"
 #include "maide/report/junit.hpp"
 #include "maide/report/picture.hpp"
+#include "maide/report/sarif.hpp"
 #include "maide/report/sequence_chart.hpp"
 #include "maide/report/trace_text.hpp"
 
@@ -56,7 +57,7 @@ struct CheckArguments {
   std::vector<std::string> properties;
   std::string trace;
   std::string report;
-  std::string junit;
+  std::string junit, sarif;
   std::vector<std::string> settings;
   std::string every;
   std::string trace_format = "chart";
@@ -284,18 +285,25 @@ void write_beside(const std::string& path, Write&& write) {
   }
 }
 
-// The next step of a pipeline reads it, and must not take an earlier one for this. So the error is
-// returned where it cannot be written, and the status is not the verdict's.
-std::optional<std::string> write_suite(const std::string& path, const System& system,
-                                       const CheckReport& report) {
-  if (path.empty()) return std::nullopt;
-  std::ostringstream text;
-  write_junit(text, make_check_suite(system, report));
+// The next step of a pipeline reads these, and must not take earlier ones for them. So the error is
+// returned where one cannot be written, and the status is not the verdict's.
+std::optional<std::string> write_for_pipeline(const CheckArguments& arguments, const System& system,
+                                              const CheckReport& report,
+                                              const std::vector<SarifNote>& notes) {
   try {
-    if (path == "-") {
-      write_data(text.str());
-    } else {
-      write_file_atomically(path, text.str());
+    if (!arguments.junit.empty()) {
+      std::ostringstream text;
+      write_junit(text, make_check_suite(system, report));
+      if (arguments.junit == "-") {
+        write_data(text.str());
+      } else {
+        write_file_atomically(arguments.junit, text.str());
+      }
+    }
+    if (!arguments.sarif.empty()) {
+      write_file_atomically(
+          arguments.sarif,
+          to_json_line(make_sarif(system, report, arguments.system, notes)) + "\n");
     }
   } catch (const Error& error) {
     return error.what();
@@ -342,6 +350,7 @@ void refuse_beside_every(const CheckArguments& arguments) {
   const char* const other = !arguments.trace.empty()    ? "--trace"
                             : !arguments.report.empty() ? "--report"
                             : !arguments.junit.empty()  ? "--junit"
+                            : !arguments.sarif.empty()  ? "--sarif"
                             : arguments.suggest         ? "--suggest"
                             : arguments.refine          ? "--refine"
                                                         : nullptr;
@@ -442,7 +451,11 @@ ExitStatus run_check_of_sources(const CheckArguments& arguments, Engine& engine,
   write_beside(arguments.report, [&] {
     write_report_file(arguments.report, worst->system, worst->report, request.options.control);
   });
-  if (const auto failure = write_suite(arguments.junit, worst->system, worst->report)) {
+  std::vector<SarifNote> notes;
+  for (const extract::Hole& hole : found.holes) {
+    notes.push_back({hole.text, {hole.place.file, hole.place.line, 0}});
+  }
+  if (const auto failure = write_for_pipeline(arguments, worst->system, worst->report, notes)) {
     return context.fail(*failure, ExitStatus::usage);
   }
   const ExitStatus status = exit_status_of(worst->report);
@@ -468,6 +481,8 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   if (arguments.junit != "-") {
     check_output("--junit", arguments.junit, {arguments.system, arguments.trace, arguments.report});
   }
+  check_output("--sarif", arguments.sarif,
+               {arguments.system, arguments.trace, arguments.report, arguments.junit});
   const std::unique_ptr<Engine> engine = make_engine(arguments.engine);
   CheckRequest request;
   request.properties = arguments.properties;
@@ -523,7 +538,7 @@ ExitStatus run_check(const CheckArguments& arguments, Context& context) {
   write_beside(arguments.report, [&] {
     write_report_file(arguments.report, system, report, request.options.control);
   });
-  if (const auto failure = write_suite(arguments.junit, system, report)) {
+  if (const auto failure = write_for_pipeline(arguments, system, report, {})) {
     return context.fail(*failure, ExitStatus::usage);
   }
   return exit_status_of(report);
@@ -573,6 +588,9 @@ RunFunction set_up_check(CommandLine& line) {
       .value_name("FILE");
   line.add("--junit", arguments->junit,
            "Write a JUnit XML file, a case a property. - is standard output")
+      .value_name("FILE");
+  line.add("--sarif", arguments->sarif,
+           "Write a SARIF file, for editors and code reviews: violations at their lines, with runs")
       .value_name("FILE");
   add_set_option(line, arguments->settings);
   line.add("--every", arguments->every,

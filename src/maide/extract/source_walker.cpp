@@ -54,8 +54,9 @@ Program SourceWalker::make_alone(const Class& entry) {
   std::vector<Value> arguments;
   for (const int maker : walk_.names.all_methods(entry, last_part(entry.name))) {
     arguments.clear();
-    for (const std::string& type : walk_.function(maker).parameter_types) {
-      arguments.push_back(data_value(class_of_type(type)));
+    const Function& function = walk_.function(maker);
+    for (std::size_t i = 0; i < function.parameters.size() && function.defaults[i].empty(); ++i) {
+      arguments.push_back(data_value(class_of_type(function.parameter_types[i])));
     }
   }
   return walk_.writer.write(Phase::start, none,
