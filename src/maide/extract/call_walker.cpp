@@ -180,6 +180,9 @@ Value CallWalker::call_smart_pointer(const Expression& expression, const Express
 
 Value CallWalker::call_method(const Expression& expression, const Expression& callee) {
   const Value self = walk_.expressions->evaluate(callee.operands[0]);
+  if (callee.is_arrow && self.kind == Value::Kind::object && !self.is_pointer) {
+    writer_.hole(expression.place, "'->' of an object", true);
+  }
   if (is_of_smart_pointer(callee, self)) return call_smart_pointer(expression, callee, self);
   std::string type = self.type;
   if (self.kind == Value::Kind::object) type = walk_.object(self.index).of_class;

@@ -124,6 +124,13 @@ void CodeWriter::branch_on(const std::string& condition, const Place& place,
   append(std::move(code));
 }
 
+std::string CodeWriter::choose_last(const Place& place) {
+  std::string last = fresh("l");
+  set(last, "false");
+  branch_on("fair *", place, [&] { set(last, "true"); });
+  return last;
+}
+
 void CodeWriter::guard_rest(const std::set<std::string>& before) {
   std::string condition;
   std::set<std::string> guarded;

@@ -68,6 +68,9 @@ class CodeWriter {
       const std::function<void()>& other = [] {}) {
     branch_on("", place, one, other);
   }
+  // A variable that says whether this is the last time round: it is at last, if code comes here
+  // again and again.
+  std::string choose_last(const Place& place);
   // What is written by `body`, apart from the program.
   std::vector<Code> aside(const std::function<void()>& body);
   // Goes through code for the account alone: nothing is written, no hole noted.

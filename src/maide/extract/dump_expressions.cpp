@@ -172,7 +172,7 @@ Expression DumpExpressions::read_call(int token) {
   static const std::set<std::string> casts{"static_cast", "dynamic_cast", "const_cast",
                                            "reinterpret_cast"};
   if (callee.kind == Expression::Kind::name && casts.contains(callee.text)) {
-    Expression cast = make(Expression::Kind::cast, token);
+    Expression cast = make(Expression::Kind::cast, token, callee.text);
     cast.type = callee.type;
     cast.operands.push_back(read(here.right));
     return cast;

@@ -18,8 +18,8 @@ using Form = Expression::Kind;
 
 std::string ExpressionWalker::truth(const Value& value) {
   switch (value.kind) {
+    case Value::Kind::object: return value.is_pointer ? "true" : "";  // it may be converted
     case Value::Kind::entity:
-    case Value::Kind::object:
     case Value::Kind::callable:
     case Value::Kind::future: return "true";
     default: return value.condition;
@@ -61,7 +61,12 @@ Value ExpressionWalker::evaluate(const Expression& expression) {
     case Form::assign: return assign(expression);
     case Form::conjunction:
     case Form::disjunction: return logical(expression);
-    case Form::cast: return evaluate(expression.operands[0]);
+    case Form::cast: {
+      Value value = evaluate(expression.operands[0]);
+      // It may fail.
+      if (expression.text == "dynamic_cast" && value.matters()) value.kind = Value::Kind::mixed;
+      return value;
+    }
     case Form::conditional: return conditional(expression);
     case Form::opaque:
       writer_.hole(expression.place, expression.text, true);
@@ -328,6 +333,9 @@ Value ExpressionWalker::unary(const Expression& expression, const Value& first) 
   const std::string& text = expression.text;
   if (text == "new" || text == "*" || text == "&") {
     if (text == "&") share(expression.operands[0]);
+    if (text == "*" && first.kind == Value::Kind::object && !first.is_pointer) {
+      writer_.hole(expression.place, "'*' of an object", true);
+    }
     Value value = first.matters() || text != "new" ? first : unknown_value();
     value.is_pointer = text != "*";
     return value;

@@ -11,6 +11,10 @@ namespace {
 
 using Form = Expression::Kind;
 
+// What lets a container grow that has no name of its own.
+const std::set<std::string> growing{"push_back", "emplace_back", "push_front", "emplace_front",
+                                    "insert",    "emplace",      "resize",     "append"};
+
 // Names in an expression, those of members among them.
 void add_names(const Expression& expression, std::set<std::string>& names) {
   if (expression.kind == Form::name || expression.kind == Form::member) {
@@ -19,10 +23,18 @@ void add_names(const Expression& expression, std::set<std::string>& names) {
   for (const Expression& operand : expression.operands) add_names(operand, names);
 }
 
+bool is_of_sources(const std::string& type, const Sources& sources) {
+  const std::string name = last_part(class_of_type(type));
+  return std::ranges::any_of(sources.classes, [&](const auto& entry) {
+    return last_part(entry.first) == name && !entry.second.is_enumeration;
+  });
+}
+
 // Whether it may be a function of the sources: what a library has knows nothing of their variables
 // but its arguments.
 bool is_own(const Expression& callee, const Sources& sources) {
   const std::string name = last_part(callee.text);
+  if (!callee.type.empty() && is_of_sources(callee.type, sources)) return true;  // it makes one
   return callee.function != none || callee.variable != none ||
          std::ranges::any_of(sources.functions,
                              [&](const Function& function) { return function.name == name; });
@@ -51,6 +63,7 @@ bool may_change(const Expression& expression, const std::set<std::string>& names
     const Expression& callee = expression.operands[0];
     if (callee.kind == Form::name && callee.variable != none) return true;
     if (sources != nullptr && is_own(callee, *sources)) return true;
+    if (callee.kind == Form::member && names.contains(callee.text)) return true;
     const bool is_read = callee.kind == Form::member && reads.contains(callee.text);
     for (std::size_t i = is_read ? 1 : 0; i < expression.operands.size(); ++i) {
       const Expression& part = expression.operands[i];
@@ -66,6 +79,11 @@ bool may_change(const Expression& expression, const std::set<std::string>& names
 bool may_change(const Statement& statement, const std::set<std::string>& names,
                 const Sources* sources) {
   if (statement.kind == Statement::Kind::opaque) return true;
+  const bool makes =
+      sources != nullptr && statement.kind == Statement::Kind::declaration &&
+      is_of_sources(sources->variables[static_cast<std::size_t>(statement.variable)].type,
+                    *sources);
+  if (makes) return true;
   return std::ranges::any_of(statement.expressions,
                              [&](const Expression& e) { return may_change(e, names, sources); }) ||
          std::ranges::any_of(statement.blocks, [&](const auto& block) {
@@ -99,7 +117,13 @@ bool is_still(const Expression& bound, const Sources& sources) {
          is_still(bound.operands[0], sources) && is_still(bound.operands[1], sources);
 }
 
-bool counts(const Statement& loop, const Sources& sources) {
+// Variables in an expression.
+void add_variables(const Expression& expression, std::set<int>& variables) {
+  if (expression.variable != none) variables.insert(expression.variable);
+  for (const Expression& operand : expression.operands) add_variables(operand, variables);
+}
+
+bool counts(const Statement& loop, const Sources& sources, const IsShared& is_shared) {
   if (loop.blocks[0].size() != 1) return false;
   const Statement& first = loop.blocks[0].front();
   const Expression& condition = loop.expressions[0];
@@ -122,6 +146,9 @@ bool counts(const Statement& loop, const Sources& sources) {
       !is_counter(step.operands[0])) {
     return false;
   }
+  std::set<int> variables{first.variable};
+  add_variables(condition.operands[1], variables);
+  if (std::ranges::any_of(variables, is_shared)) return false;
   std::set<std::string> names{counter.name};
   add_names(condition.operands[1], names);
   names.erase("size");
@@ -130,8 +157,16 @@ bool counts(const Statement& loop, const Sources& sources) {
 
 }  // namespace
 
-bool is_finite_loop(const Statement& loop, const Sources& sources) {
-  if (loop.kind == Statement::Kind::loop) return counts(loop, sources);
+bool is_finite_call(const Expression& call, const Function& function, const Sources& sources) {
+  std::set<std::string> names;
+  for (std::size_t i = 1; i < call.operands.size(); ++i) add_names(call.operands[i], names);
+  for (const char* reading : {"begin", "end", "cbegin", "cend"}) names.erase(reading);
+  return std::ranges::none_of(
+      function.body, [&](const Statement& inner) { return may_change(inner, names, &sources); });
+}
+
+bool is_finite_loop(const Statement& loop, const Sources& sources, const IsShared& is_shared) {
+  if (loop.kind == Statement::Kind::loop) return counts(loop, sources, is_shared);
   if (loop.kind != Statement::Kind::range) return false;
   std::set<std::string> names;
   add_names(loop.expressions[0], names);
@@ -139,7 +174,10 @@ bool is_finite_loop(const Statement& loop, const Sources& sources) {
   const bool is_local =
       container.kind == Form::name && container.variable != none &&
       sources.variables[static_cast<std::size_t>(container.variable)].is_local &&
-      !sources.variables[static_cast<std::size_t>(container.variable)].is_reference;
+      !sources.variables[static_cast<std::size_t>(container.variable)].is_reference &&
+      !is_shared(container.variable);
+  const bool is_named = container.kind == Form::name || container.kind == Form::member;
+  if (!is_named) names = growing;
   return !is_changed_in_body(loop, names, is_local ? nullptr : &sources);
 }
 

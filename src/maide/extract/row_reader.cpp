@@ -9,6 +9,7 @@
 
 #include "maide/extract/call_walker.hpp"
 #include "maide/extract/expression_walker.hpp"
+#include "maide/extract/finite_loop.hpp"
 #include "maide/extract/object_maker.hpp"
 #include "maide/extract/type_names.hpp"
 
@@ -146,6 +147,10 @@ Value RowReader::take_out(const Expression& call, const Arguments& arguments) {
   const bool is_lock = LockKeeper::is_guard(arguments[0].type);
   if (is_place && arguments[0].matters() && (!is_parameter || is_lock)) {
     writer_.hole(call.place, "an end goes elsewhere", true);
+  } else if (is_place && arguments[0].matters()) {
+    Value mixed = arguments[0];
+    mixed.kind = Value::Kind::mixed;
+    walk_.expressions->set_constant(from, mixed);
   }
   return arguments[0];
 }
@@ -216,9 +221,11 @@ Value RowReader::call_some(const Expression& call, const Arguments& arguments) {
       const CodeWriter::Scope scope(writer_);
       Code leave;
       leave.kind = Code::Kind::leave;
-      writer_.branch_on(
-          "fair *", call.place, [&] { writer_.append(leave); }, [] {});
+      const bool is_finite = is_finite_call(call, function, walk_.sources);
+      writer_.branch_on("", call.place, [&] { writer_.append(leave); });
+      const std::string last = is_finite ? writer_.choose_last(call.place) : "";
       walk_.calls->call_value(argument, Arguments(function.parameters.size()), call.place);
+      if (is_finite) writer_.branch_on(last, call.place, [&] { writer_.append(leave); });
     });
     writer_.leave_condition();
     if (has_steps(loop.arms[0].code)) writer_.append(std::move(loop));

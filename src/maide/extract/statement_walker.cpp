@@ -26,8 +26,13 @@ Code leave_loop() {
   return code;
 }
 
+// Whether something is called, or else may throw.
 bool has_call(const Expression& expression) {
+  const bool is_acting =
+      expression.kind == Form::other &&
+      (expression.text == "new" || expression.text == "[" || expression.text == "*");
   return expression.kind == Form::call || expression.kind == Form::construct ||
+         expression.kind == Form::cast || is_acting ||
          std::ranges::any_of(expression.operands, has_call);
 }
 
@@ -56,7 +61,9 @@ void StatementWalker::walk(const std::vector<Statement>& list) {
 
 // In a try each statement that calls something may throw, in front of what it does or behind it.
 void StatementWalker::may_throw(const Statement& next) {
-  const bool calls = std::ranges::any_of(next.expressions, has_call);
+  const bool makes = next.kind == Statement::Kind::declaration &&
+                     !is_plain_type(class_of_type(walk_.variable(next.variable).type));
+  const bool calls = makes || std::ranges::any_of(next.expressions, has_call);
   if (writer_.tries() == 0 || !calls) return;
   writer_.either(next.place, [&] { writer_.raise(writer_.throw_flag()); });
 }
@@ -238,16 +245,10 @@ void StatementWalker::loop_variable(const Statement& next) {
                                                                                    : inner));
 }
 
-Value StatementWalker::leave_unless(const Expression& condition, const Place& place,
-                                    bool is_finite) {
+Value StatementWalker::leave_unless(const Expression& condition, const Place& place) {
   Value value = walk_.expressions->evaluate(condition);
-  const std::string truth = ExpressionWalker::truth(value);
-  if (is_finite && truth.empty()) {
-    writer_.branch_on("fair *", place, [&] { writer_.append(leave_loop()); });
-  } else {
-    writer_.branch_on(
-        truth, place, [] {}, [&] { writer_.append(leave_loop()); });
-  }
+  writer_.branch_on(
+      ExpressionWalker::truth(value), place, [] {}, [&] { writer_.append(leave_loop()); });
   return value;
 }
 
@@ -264,13 +265,17 @@ void StatementWalker::write_body(const Statement& next, const std::string& again
 }
 
 // loop { if (!condition) { break; } body; if (left) { break; } step }
+//
+// One that is sure to end may be the last time round from its beginning on, by a fair choice. So it
+// does not go on for ever; but it may be empty each time, and be left early each time.
 void StatementWalker::loop(const Statement& next) {
   const CodeWriter::Scope scope(writer_);
   const bool is_for = next.kind == Statement::Kind::loop;
   if (is_for) walk(next.blocks[0]);
   walk_.values.forget_what_is_set_in(next);
   if (next.kind == Statement::Kind::range) loop_variable(next);
-  const bool is_finite = is_finite_loop(next, walk_.sources);
+  const bool is_finite = is_finite_loop(
+      next, walk_.sources, [&](int variable) { return walk_.values.is_shared(variable); });
   const std::string leave = writer_.fresh("b"), again = writer_.fresh("c");
   const std::set<std::string> before = writer_.raised();
   Code code;
@@ -285,34 +290,35 @@ void StatementWalker::loop(const Statement& next) {
     writer_.set(leave, "false");
     writer_.set(again, "false");
     if (is_for && next.expressions[0].kind != Form::absent) {
-      condition = leave_unless(next.expressions[0], next.place, is_finite);
+      condition = leave_unless(next.expressions[0], next.place);
     }
     if (next.kind == Statement::Kind::range) {
-      writer_.branch_on(is_finite ? "fair *" : "", next.place,
-                        [&] { writer_.append(leave_loop()); });
+      writer_.branch_on("", next.place, [&] { writer_.append(leave_loop()); });
     }
+    const std::string last = is_finite ? writer_.choose_last(next.place) : "";
     write_body(next, again, before);
+    if (is_finite) writer_.branch_on(last, next.place, [&] { writer_.append(leave_loop()); });
     if (is_for) walk_.expressions->evaluate(next.expressions[1]);
     if (next.kind == Statement::Kind::repeat) {
-      condition = leave_unless(next.expressions[0], next.place, false);
+      condition = leave_unless(next.expressions[0], next.place);
     }
   });
   writer_.leave_condition();
   loops_.pop_back();
   const bool raises = writer_.raised() != before;
   writer_.lower(leave);
-  finish_loop(next, std::move(code), condition, raises);
+  finish_loop(next, std::move(code), condition, raises, is_finite);
 }
 
 // A loop that does nothing is left out if it is sure to end. `while (!there) { }` is a wait.
 void StatementWalker::finish_loop(const Statement& next, Code code, const Value& condition,
-                                  bool raises) {
+                                  bool raises, bool is_finite) {
   std::vector<Code>& body = code.arms[0].code;
   const bool is_idle = !has_steps(body);
   if (is_idle && !raises && condition.presence.starts_with('!')) {
     return writer_.emit("wait " + condition.presence.substr(1) + " -> there;", next.place);
   }
-  if (is_idle && !raises && is_finite_loop(next, walk_.sources)) return;
+  if (is_idle && !raises && is_finite) return;
   if (is_idle) {  // it may go round for ever: a choice is a step
     Code rest;
     rest.kind = Code::Kind::branch;

@@ -25,10 +25,11 @@ class StatementWalker {
   void branch(const Statement& next);
   void loop(const Statement& next);
   void loop_variable(const Statement& next);
-  Value leave_unless(const Expression& condition, const Place& place, bool is_finite);
+  Value leave_unless(const Expression& condition, const Place& place);
   void write_body(const Statement& next, const std::string& again,
                   const std::set<std::string>& before);
-  void finish_loop(const Statement& next, Code code, const Value& condition, bool raises);
+  void finish_loop(const Statement& next, Code code, const Value& condition, bool raises,
+                   bool is_finite);
   void choice(const Statement& next);
   void attempt(const Statement& next);
   void may_throw(const Statement& next);

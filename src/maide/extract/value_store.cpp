@@ -118,7 +118,7 @@ Value ValueStore::read(const Slot& slot) {
     value = data_of(slot.variable);
     value.kind = Value::Kind::mixed;
   }
-  if (is_shared(key_of(slot.variable))) make_any(value);
+  if (is_shared_key(key_of(slot.variable))) make_any(value);
   return value;
 }
 
@@ -162,7 +162,7 @@ Value ValueStore::read_field(int object, const std::string& member, int variable
     mixed.kind = Value::Kind::mixed;
     return mixed;
   }
-  if (is_shared(key_of(object, name))) make_any(value);
+  if (is_shared_key(key_of(object, name))) make_any(value);
   return value;
 }
 

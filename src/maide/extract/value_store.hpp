@@ -64,6 +64,7 @@ class ValueStore {
   // Something else may change it from here on: a reference, a pointer. What it is worth is never
   // known then, before neither: other code may come later.
   void share(const Slot& slot);
+  bool is_shared(int variable) const { return is_shared_key(key_of(variable)); }
   void forget_what_is_set_in(const Statement& loop);
   Value data_of(int variable) const;
 
@@ -74,7 +75,7 @@ class ValueStore {
   bool is_end(const Value& value) const;
   void put_object(Value& kept, const Value& value, const Place& place);
   const Variable* find_member(const std::string& of_class, const std::string& name) const;
-  bool is_shared(const std::string& key) const { return mixed_.contains("any " + key); }
+  bool is_shared_key(const std::string& key) const { return mixed_.contains("any " + key); }
   void store_local(Value& kept, const Value& value, const Place& place);
   std::string key_of(int object, const std::string& name) const {
     return model_.objects[static_cast<std::size_t>(object)].of_class + "." + name;
