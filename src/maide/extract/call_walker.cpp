@@ -92,6 +92,7 @@ Value CallWalker::call_free(const Expression& expression, const Expression& call
       is_message_type(callee.text)) {
     const std::string type =
         callee.type.empty() ? callee.text : callee.text + "<" + callee.type + ">";
+    walk_.objects->share_arguments(type, expression.operands, 1);
     return walk_.objects->construct(type, arguments_of(expression), expression.place, "");
   }
   const std::size_t count = expression.operands.size() - 1;
@@ -249,7 +250,11 @@ CallWalker::Arguments CallWalker::bind_parameters(const Function& function, Argu
   for (std::size_t i = 0; i < function.parameters.size(); ++i) {
     Value value = std::move(arguments[i]);
     if (i >= given && !function.defaults[i].empty()) {
+      const std::size_t written = writer_.written();
       value = walk_.expressions->evaluate(function.defaults[i][0]);
+      if (writer_.written() != written) {
+        writer_.hole(place, "a default argument that communicates", false);
+      }
     }
     value = walk_.objects->converted(function.parameter_types[i], std::move(value), place);
     fitted.push_back(value);
@@ -282,7 +287,14 @@ Value CallWalker::inline_function(int index, const Value& self, const Arguments&
   frame.return_value = writer_.fresh("v");
   writer_.set(frame.return_flag, "false");
   bind_parameters(function, arguments, place);
+  const std::set<std::string> raised = writer_.raised();
   walk_.statements->walk_body(function.body);
+  if (function.is_noexcept && writer_.raised() != raised) {
+    const std::string& thrown = writer_.throw_flag();
+    if (writer_.raised().contains(thrown) && !raised.contains(thrown)) {
+      writer_.hole(place, "a throw out of a function that is noexcept", true);
+    }
+  }
   writer_.lower(frame.return_flag);
   Value result = result_of(frame);
   walk_.values.enter(caller);

@@ -49,7 +49,10 @@ class CodeWriter {
   Program write(Phase phase, int node, const std::function<void()>& body);
 
   void emit(std::string text, const Place& place);
-  void append(Code code) { blocks_.back()->push_back(std::move(code)); }
+  void append(Code code) {
+    if (code.kind == Code::Kind::select || code.kind == Code::Kind::timed) ++written_;
+    blocks_.back()->push_back(std::move(code));
+  }
   void set(const std::string& name, const std::string& value);
   // A variable of this program, whose name begins so.
   std::string fresh(const std::string& stem, std::vector<std::string> values = {});

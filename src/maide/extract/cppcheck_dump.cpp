@@ -218,6 +218,7 @@ class ConfigurationReader {
     variable.is_reference = is(tag, "isReference");
     variable.is_pointer = is(tag, "isPointer");
     variable.is_static = is(tag, "isStatic");
+    variable.is_const = is(tag, "isConst");
     variable.is_extern = is(tag, "isExtern");
     const auto link = [&](std::string_view name, const Ids& ids, int DumpVariable::*member) {
       refer(tag, name, ids, [this, at, member](int to) { out_.variables[at].*member = to; });

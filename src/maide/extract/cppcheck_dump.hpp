@@ -42,6 +42,7 @@ struct DumpVariable {
   int scope = nothing;
   std::string access;
   bool is_reference = false, is_pointer = false, is_static = false, is_extern = false;
+  bool is_const = false;
 };
 
 struct DumpClass {

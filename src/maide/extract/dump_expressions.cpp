@@ -231,8 +231,9 @@ Expression DumpExpressions::read_lambda(int token, int body) {
     }
   }
   for (int i = at(token).link + 1; i < body; ++i) {
-    if (at(i).text != "=") continue;
-    return make(Expression::Kind::opaque, token, "a lambda with default arguments");
+    if (at(i).text != "=" && at(i).text != "noexcept") continue;
+    return make(Expression::Kind::opaque, token,
+                "a lambda with '" + at(i).text + "' behind its captures");
   }
   const DumpScope& scope = dump_.scopes[static_cast<std::size_t>(at(body).scope)];
   const auto found = functions_.find(scope.function);
@@ -257,6 +258,10 @@ Expression DumpExpressions::read_operator(int token) {
   static const std::set<std::string> known{
       "+", "-", "*", "/", "%", "<",  ">",  "<=", ">=", "==",  "!=",  "<<",    ">>",
       "&", "|", "^", "!", "~", "++", "--", "[",  ",",  "<=>", "new", "delete"};
+  if (here.text == "new" && at(token + 1).text == "(") {
+    use_range(token + 1, at(token + 1).link + 1);
+    return make(Expression::Kind::opaque, token, "'new' at a place, or one that may fail");
+  }
   Expression node = make(Expression::Kind::other, token, here.text);
   if (here.text == "?") {
     node.kind = Expression::Kind::conditional;

@@ -29,10 +29,6 @@ const std::map<std::string, EndWord>& end_words() {
   return words;
 }
 
-bool is_digits(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
 // Types as they are written: one may be without its package.
 bool is_same_message(const std::string& one, const std::string& other) {
   const bool is_whole =
@@ -180,7 +176,7 @@ void EndMaker::set_quality(Entity& entity, const Given& quality) {
     entity.is_transient = value.is_transient;
     const bool is_odd = is_service && (value.text != "10" || value.is_best_effort);
     if (is_odd) writer_.hole(entity.place, "a service of another quality", false);
-  } else if (value.kind == Value::Kind::number && is_digits(value.text)) {
+  } else if (value.kind == Value::Kind::number && is_decimal(value.text)) {
     entity.depth = value.text;
   } else if (is_service &&
              last_part(quality.expression->text) == "rmw_qos_profile_services_default") {

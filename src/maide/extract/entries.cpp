@@ -53,6 +53,7 @@ class Pass {
       if (function.full_name() != "main") continue;
       const std::size_t nodes = model_.nodes.size(), executors = model_.executors.size();
       Program program = walker_.run(callable(static_cast<int>(i)), {}, Phase::start, none);
+      a_main_ends_ = a_main_ends_ || !walker_.take_main_is_over();
       give_main(std::move(program), nodes, executors, function.place);
     }
   }
@@ -316,8 +317,9 @@ class Pass {
   bool may_be_called(std::size_t index) const {
     const Function& function = sources_.functions[index];
     const Class* entry = walker_.names().find_class(function.of_class, "");
-    // Nodes live as long as their executor is spun.
-    if (function.is_destructor && walker_.names().is_node_class(function.of_class)) return false;
+    // Nodes live as long as their executor is spun, unless main comes to its end.
+    const bool is_node = walker_.names().is_node_class(function.of_class);
+    if (function.is_destructor && is_node && !a_main_ends_) return false;
     const bool is_override =
         function.is_virtual && entry != nullptr && walker_.names().has_unknown_base(*entry);
     const bool is_hidden =
@@ -370,6 +372,7 @@ class Pass {
   const Sources& sources_;
   Model model_;
   SourceWalker walker_;
+  bool a_main_ends_ = false;         // one that does not spin for ever
   std::map<int, std::size_t> done_;  // callbacks of each end that were run
 };
 

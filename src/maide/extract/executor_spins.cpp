@@ -109,6 +109,7 @@ bool ExecutorSpins::enter_main(int executor, const Place& place) {
     return false;
   }
   walk_.main_executor = executor;
+  walk_.values.others_run = true;
   walk_.model.executors[static_cast<std::size_t>(executor)].is_spun = true;
   return true;
 }
@@ -157,6 +158,7 @@ Value ExecutorSpins::spin_until(const Expression& call, const Value& self,
     writer_.hole(call.place, "a spin of what is not known", true);
     return unknown_value();
   }
+  walk_.values.others_run = true;
   const int client = communication.client_of_last(arguments[future_at], call.place);
   if (client == none) return unknown_value();
   const std::string future = Communication::variable_of(arguments[future_at]);
@@ -233,6 +235,7 @@ Value ExecutorSpins::make_thread(const Arguments& arguments, const Place& place,
   entity.node = thread.node;
   writer_.emit("run " + thread.label + ";", place);
   walk_.model.threads.push_back(std::move(thread));
+  walk_.values.others_run = true;
   return walk_.objects->make_entity(std::move(entity), "std::thread");
 }
 

@@ -72,6 +72,7 @@ Value ExpressionWalker::evaluate(const Expression& expression) {
       writer_.hole(expression.place, expression.text, true);
       return unknown_value();
     case Form::construct:
+      walk_.objects->share_arguments(expression.text, expression.operands, 0);
       return walk_.objects->construct(expression.text,
                                       evaluate_all(expression.operands, expression.place),
                                       expression.place, "");

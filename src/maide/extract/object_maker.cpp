@@ -193,6 +193,24 @@ Value ObjectMaker::converted(const std::string& type, Value value, const Place& 
   return value;
 }
 
+// A constructor may keep what it is given by reference, and change it later.
+void ObjectMaker::share_arguments(const std::string& type, const std::vector<Expression>& given,
+                                  std::size_t first) {
+  const Class* entry = walk_.names.find_class(class_of_type(type), walk_.values.frame().scope);
+  if (entry == nullptr || entry->is_enumeration) return;
+  const std::vector<int> makers = walk_.names.all_methods(*entry, last_part(entry->name));
+  for (std::size_t i = first; i < given.size(); ++i) {
+    const std::size_t at = i - first;
+    const bool is_taken = std::ranges::any_of(makers, [&](int maker) {
+      const std::vector<std::string>& types = walk_.function(maker).parameter_types;
+      return at < types.size() && types[at].ends_with("&") && !types[at].starts_with("const ");
+    });
+    const bool is_held = makers.empty() && at < entry->members.size() &&
+                         walk_.variable(entry->members[at]).is_reference;
+    if (is_taken || is_held) walk_.expressions->share(given[i]);
+  }
+}
+
 Value ObjectMaker::first_value(const Variable& variable, const std::vector<Expression>& expressions,
                                bool is_set, const Place& place) {
   const std::string type = class_of_type(variable.type);
@@ -202,9 +220,15 @@ Value ObjectMaker::first_value(const Variable& variable, const std::vector<Expre
                          walk_.names.find_class(type, walk_.values.frame().scope) != nullptr;
   std::vector<Value> arguments =
       walk_.expressions->evaluate_all(is_filled ? expressions[0].operands : expressions, place);
+  if (!holds_pointer && !variable.is_reference) {
+    share_arguments(variable.type, is_filled ? expressions[0].operands : expressions, 0);
+  }
   if (variable.is_array && (has_code(variable.type) || any_matters(arguments))) {
     writer_.hole(place, "an array of objects", true);
   }
+  // An array is a pointer, too: its letters may change.
+  const bool is_fixed = variable.type.find("const") != std::string::npos;
+  if (variable.is_array && !is_fixed && !any_matters(arguments)) return data_value(type);
   Value value;
   if (arguments.empty() && (holds_pointer || variable.is_reference)) {
     value.kind = Value::Kind::null;
@@ -258,8 +282,10 @@ Value ObjectMaker::make(const std::string& of_class, const Arguments& arguments,
     return self;
   }
   begin_node(self, last_part(entry.name), place);
+  const bool others_run = std::exchange(walk_.values.others_run, false);
   const int node = walk_.node_of(self);
   Program start = writer_.write(Phase::start, node, [&] { fill(self, entry, arguments, place); });
+  walk_.values.others_run = others_run;
   if (has_steps(start.code) && !writer_.is_silent() && writer_.has_begun()) {
     writer_.hole(place, "main communicates before it makes this node", false);
   }

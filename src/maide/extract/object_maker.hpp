@@ -19,6 +19,9 @@ class ObjectMaker {
   // What a variable of this type becomes that is made from `value` by `=`: a copy of an object, an
   // object of the sources that its constructor makes of something else, or the value itself.
   Value converted(const std::string& type, Value value, const Place& place);
+  // Of a class of the sources: who may change the arguments from `first` on is not followed.
+  void share_arguments(const std::string& type, const std::vector<Expression>& given,
+                       std::size_t first);
   // What a variable or member of this kind is worth at first.
   Value first_value(const Variable& variable, const std::vector<Expression>& expressions,
                     bool is_set, const Place& place);

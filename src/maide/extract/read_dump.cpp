@@ -116,6 +116,8 @@ class ConfigurationReader {
       variable.is_reference = found.is_reference;
       variable.is_pointer = found.is_pointer;
       variable.is_array = is(found.name + 1, "[");
+      const bool says_const = variable.type.starts_with("const ");
+      if (variable.is_array && found.is_const && !says_const) variable.type.insert(0, "const ");
       variable.is_static = found.is_static;
       variable.is_extern = found.is_extern;
       variable.is_local = found.access == "Local" || found.access == "Argument";
@@ -257,6 +259,7 @@ class ConfigurationReader {
       for (int i = at(token + 1).link + 1;
            i != nothing && !is(i, "{") && !is(i, ";") && !is(i, ":"); ++i) {
         if (is(i, "override") || is(i, "final")) function.is_virtual = true;
+        if (is(i, "noexcept")) function.is_noexcept = true;
       }
     }
     if (found.scope != nothing) {

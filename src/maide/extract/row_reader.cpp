@@ -16,10 +16,6 @@
 namespace maide::extract {
 namespace {
 
-bool is_digits(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
 // `_1`, `std::placeholders::_2`: which argument of the call; none: no placeholder.
 int placeholder_of(const Expression& expression) {
   const std::string word = last_part(expression.text);
@@ -115,8 +111,12 @@ Value RowReader::returned(const ApiRow& row, const Expression& call, const Value
 // Nothing that main does behind it is heard of. In a callback it ends what spins.
 Value RowReader::shut_down(const Expression& call) {
   if (writer_.phase() == Phase::callback) writer_.hole(call.place, "a shutdown", false);
-  const bool is_main = writer_.phase() == Phase::start && writer_.node() == none;
-  if (is_main) walk_.end_main();
+  if (writer_.phase() != Phase::start) return {};
+  if (writer_.node() != none) {
+    writer_.hole(call.place, "a shutdown in a constructor", false);
+  } else {
+    walk_.end_main();
+  }
   return {};
 }
 
@@ -131,6 +131,7 @@ Value RowReader::refer(const Expression& call, const Arguments& arguments) {
 
 Value RowReader::make_pointed(const Expression& call, Arguments arguments) {
   const std::string type = call.operands[0].type;
+  walk_.objects->share_arguments(type, call.operands, 1);
   if (class_of_type(type) == "rclcpp::Node") {
     return walk_.objects->make_plain_node(arguments, call.place);
   }
@@ -284,7 +285,7 @@ Value RowReader::make(const std::string& of_class, const Arguments& arguments, c
   const bool is_number = depth.kind == Value::Kind::number;
   if (depth.kind == Value::Kind::qos && of_class == "rclcpp::QoS") {
     qos = depth;
-  } else if (depth.kind == Value::Kind::qos || (is_number && is_digits(depth.text))) {
+  } else if (depth.kind == Value::Kind::qos || (is_number && is_decimal(depth.text))) {
     qos.text = depth.text;
   } else if (!is_number && !depth.type.empty() && !is_plain_type(depth.type)) {
     writer_.hole(place, "a quality of service that is not known", false);
@@ -308,7 +309,7 @@ Value RowReader::quality(const ApiRow& row, const Expression& call, const Value&
   if (row.returns == "volatile") value.is_transient = false;
   if (row.returns == "depth") {
     const bool is_known = !arguments.empty() && arguments[0].kind == Value::Kind::number &&
-                          is_digits(arguments[0].text);
+                          is_decimal(arguments[0].text);
     value.text = is_known ? arguments[0].text : "";
   }
   // It changes the object itself, too.

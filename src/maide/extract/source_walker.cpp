@@ -36,7 +36,8 @@ void SourceWalker::make_globals() {
     if (has_steps(program.code)) {
       walk_.writer.hole(variable.place, "a global variable whose first value communicates", true);
     }
-    if (!value.matters()) value = walk_.values.data_of(static_cast<int>(i));
+    const bool is_kept = value.matters() || value.kind == Value::Kind::text;
+    if (!is_kept) value = walk_.values.data_of(static_cast<int>(i));
     walk_.values.declare_global(static_cast<int>(i), std::move(value));
   }
 }
@@ -46,7 +47,7 @@ Program SourceWalker::run(const Value& callable, const std::vector<Value>& argum
   walk_.is_main_over = false;
   Program program =
       walk_.writer.write(phase, node, [&] { calls_.call_value(callable, arguments, Place{}); });
-  walk_.is_main_over = false;
+  main_is_over_ = std::exchange(walk_.is_main_over, false);
   return program;
 }
 

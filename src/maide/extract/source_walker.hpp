@@ -38,12 +38,15 @@ class SourceWalker {
   const std::set<int>& read_functions() const { return walk_.read; }
   void restore_read_functions(std::set<int> read) { walk_.read = std::move(read); }
   const NameLookup& names() const { return walk_.names; }
+  // Of the last run(): whether it was a main that spins for ever.
+  bool take_main_is_over() { return std::exchange(main_is_over_, false); }
   // The executor that main spun, and the nodes whose ends it used; both are forgotten then.
   int take_main_executor() { return std::exchange(walk_.main_executor, none); }
   std::set<int> take_main_uses() { return std::exchange(walk_.main_uses, {}); }
 
  private:
   Walk walk_;
+  bool main_is_over_ = false;
   ExpressionWalker expressions_;
   StatementWalker statements_;
   CallWalker calls_;

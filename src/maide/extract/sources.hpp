@@ -115,7 +115,7 @@ struct Function {
   std::vector<Initialiser> initialisers;
   std::vector<Statement> body;
   bool is_virtual = false, is_static = false, is_constructor = false, is_destructor = false;
-  bool is_lambda = false, is_template = false;
+  bool is_lambda = false, is_template = false, is_noexcept = false;
   std::string text;  // of the body, as the front end has it
   Place place;
 

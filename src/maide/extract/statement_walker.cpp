@@ -165,7 +165,8 @@ void StatementWalker::declare_static(const Statement& next, const Variable& vari
   if (writer_.written() != written) {
     writer_.hole(next.place, "a static variable whose first value communicates", true);
   }
-  if (!value.matters()) value = data_value(class_of_type(variable.type));
+  const bool is_kept = value.matters() || value.kind == Value::Kind::text;
+  if (!is_kept) value = data_value(class_of_type(variable.type));
   walk_.values.declare_global(next.variable, std::move(value));
 }
 

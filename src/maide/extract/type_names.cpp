@@ -89,6 +89,11 @@ bool is_plain_type(std::string_view name) {
   return names.contains(name);
 }
 
+bool is_decimal(const std::string& text) {
+  const bool is_octal = text.size() > 1 && text[0] == '0';
+  return !text.empty() && !is_octal && text.find_first_not_of("0123456789") == std::string::npos;
+}
+
 std::string unit_of_time(std::string_view word) {
   static const std::map<std::string_view, std::string> units{
       {"nanoseconds", "ns"}, {"microseconds", "us"}, {"milliseconds", "ms"},

@@ -22,6 +22,9 @@ bool is_weak_type(std::string_view type);
 // Numbers, characters, bool, void: nothing is called when they are used.
 bool is_plain_type(std::string_view name);
 
+// Whether it is a whole number in decimal digits.
+bool is_decimal(const std::string& text);
+
 // `ms` of milliseconds; empty: another word.
 std::string unit_of_time(std::string_view word);
 

@@ -205,7 +205,7 @@ void ValueStore::put(Value& kept, const Value& value, const std::string& key, co
   const bool was_set = kept.matters();
   const bool is_same =
       kept.kind == value.kind && kept.index == value.index && value.kind != Value::Kind::callable;
-  const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional();
+  const bool is_late = writer_.phase() != Phase::start || writer_.is_conditional() || others_run;
   if ((value.matters() || was_set) && !is_same && (was_set || is_late)) mixed_.insert(key);
   if (is_end(kept) && !is_same) {
     writer_.hole(place, "an end goes, or another takes its place", true);
@@ -252,7 +252,7 @@ void ValueStore::store_local(Value& kept, const Value& value, const Place& place
   if (is_known) {
     kept = value;
     weaken(kept);
-    if (frame_->has_lambda) kept.condition.clear();
+    if (frame_->has_lambda) make_any(kept);  // it may have captured the one before
     return;
   }
   const bool matters = value.matters() || kept.matters();

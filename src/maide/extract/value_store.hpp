@@ -57,6 +57,8 @@ class ValueStore {
   void set_field(int object, const Variable& member, Value value);
   // It may have been changed by somebody who is not followed: constants are none any more.
   void forget(const Slot& slot);
+  // Whether a thread or a spin runs beside what is written now: it sees fields as they were, too.
+  bool others_run = false;
   // An end or object has a holder, an object or what lives as long as main: it does not go with
   // its scope.
   void keep(const Value& value, int holder);
