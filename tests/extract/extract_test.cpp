@@ -247,6 +247,33 @@ TEST_F(Extract, ACountingLoopEnds) {
   EXPECT_FALSE(has(found, "loop {")) << found.system;
 }
 
+// A thread that waits until a loop notifies it, in `body`.
+std::string notified_in(const std::string& body) {
+  return "class A : public rclcpp::Node {\n public:\n  A() : Node(\"a\") {\n"
+         "    timer_ = create_wall_timer(1s, [this] { tick(); });\n"
+         "    worker_ = std::thread([this] {\n"
+         "      std::unique_lock<std::mutex> lock(mutex_);\n      cv_.wait(lock);\n    });\n  }\n"
+         "  void tick() {\n" +
+         body +
+         "  }\n  std::vector<int> goals_;\n  std::mutex mutex_;\n  std::condition_variable cv_;\n"
+         "  std::thread worker_;\n  rclcpp::TimerBase::SharedPtr timer_;\n};\n";
+}
+
+// A list may be empty each time, and a loop left early each time: then nobody is notified. But no
+// loop over a list goes on for ever.
+TEST_F(Extract, ALoopOverAListForcesNothing) {
+  const Extracted empty =
+      source(notified_in("    for (int goal : goals_) { int x = goal; cv_.notify_one(); }\n"));
+  EXPECT_TRUE(empty.is_whole()) << empty.holes_file;
+  EXPECT_EQ(verdict_of(empty, "stuck"), Verdict::violated) << empty.system;
+  const Extracted left = source(notified_in(
+      "    for (int goal : goals_) { if (goal > 0) { return; } }\n    cv_.notify_one();\n"));
+  EXPECT_EQ(verdict_of(left, "stuck"), Verdict::violated) << left.system;
+  const Extracted ends_at_last =
+      source(notified_in("    for (int goal : goals_) { int x = goal; }\n    cv_.notify_one();\n"));
+  EXPECT_EQ(verdict_of(ends_at_last, "stuck"), Verdict::holds) << ends_at_last.system;
+}
+
 // The guard of a header is none where code stands behind its end.
 TEST_F(Extract, AConditionAtTheBeginningIsNoGuard) {
   const std::string code = "struct A : rclcpp::Node { A() : Node(\"a\") {} };\n";
