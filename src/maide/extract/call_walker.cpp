@@ -79,6 +79,16 @@ Value CallWalker::call_name(const Expression& expression, const Expression& call
     Value value = call_method_of(expression, callee, self, *own, is_done);
     if (is_done) return value;
   }
+  if (self.kind == Value::Kind::object && !is_bare) {  // Base::tick(): that of the base
+    const Class* base = walk_.names.find_class(outer_part(callee.text), walk_.values.frame().scope);
+    const bool is_own = base != nullptr &&
+                        (base->name == of_class || walk_.names.derives_from(of_class, base->name));
+    const std::size_t count = expression.operands.size() - 1;
+    if (is_own) {
+      const Overloads found = walk_.names.methods(*base, last_part(callee.text), count);
+      if (!found.bodies.empty()) return inline_one_of(found, self, expression);
+    }
+  }
   return call_free(expression, callee);
 }
 
