@@ -19,14 +19,6 @@ namespace {
 using Form = Expression::Kind;
 constexpr std::size_t deepest_inlining = 40;
 
-bool may_be_written(const Walk& walk, const Function& function, std::size_t parameter) {
-  const std::string& type = function.parameter_types[parameter];
-  const int variable = function.parameters[parameter];
-  const bool is_reference =
-      variable == none ? type.ends_with("&") : walk.variable(variable).is_reference;
-  return is_reference && !type.starts_with("const ");
-}
-
 }  // namespace
 
 Value CallWalker::call(const Expression& expression) {
@@ -150,7 +142,7 @@ Value CallWalker::call_method_of(const Expression& expression, const Expression&
 
 // In a constructor of a base the methods of the derived class are not there yet.
 bool CallWalker::is_another_while_made(const Value& self, const Overloads& found) const {
-  const Object& object = walk_.model.objects[static_cast<std::size_t>(self.index)];
+  const Object& object = walk_.object(self.index);
   if (object.being_made.empty() || object.being_made == object.of_class) return false;
   return std::ranges::any_of(found.bodies, [&](int method) {
     const std::string& of_class = walk_.function(method).of_class;
@@ -227,7 +219,7 @@ Value CallWalker::inline_one_of(const Overloads& overloads, const Value& self,
   for (const int function : overloads.bodies) {
     const Function& called = walk_.function(function);
     for (std::size_t i = 0; i + 1 < call.operands.size() && i < called.parameters.size(); ++i) {
-      if (may_be_written(walk_, called, i)) walk_.expressions->forget(call.operands[i + 1]);
+      if (walk_.may_be_written(called, i)) walk_.expressions->forget(call.operands[i + 1]);
     }
   }
   return value;
@@ -299,11 +291,9 @@ Value CallWalker::inline_function(int index, const Value& self, const Arguments&
   bind_parameters(function, arguments, place);
   const std::set<std::string> raised = writer_.raised();
   walk_.statements->walk_body(function.body);
-  if (function.is_noexcept && writer_.raised() != raised) {
-    const std::string& thrown = writer_.throw_flag();
-    if (writer_.raised().contains(thrown) && !raised.contains(thrown)) {
-      writer_.hole(place, "a throw out of a function that is noexcept", true);
-    }
+  const std::string& thrown = writer_.throw_flag();
+  if (function.is_noexcept && writer_.raised().contains(thrown) && !raised.contains(thrown)) {
+    writer_.hole(place, "a throw out of a function that is noexcept", true);
   }
   writer_.lower(frame.return_flag);
   Value result = result_of(frame);

@@ -18,8 +18,8 @@ class CallWalker {
   Value call_value(const Value& callee, const Arguments& arguments, const Place& place);
   Value inline_function(int function, const Value& self, const Arguments& arguments,
                         const std::shared_ptr<Frame>& outer, const Place& place);
-  // Parameters of a function as its body sees them.
-  // Gives the parameters their values: arguments, as their types have them, and defaults.
+  // Gives the parameters of a function their values, as its body sees them: arguments, as their
+  // types have them, and defaults.
   Arguments bind_parameters(const Function& function, Arguments arguments, const Place& place);
   // Constants in variables that were handed on are none any more.
   void forget_arguments(const Expression& call);

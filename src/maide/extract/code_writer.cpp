@@ -68,14 +68,16 @@ void CodeWriter::hole(const Place& place, const std::string& text, bool escapes)
   const std::size_t written = written_;
   if (is_placed) emit("unknown;", place);
   written_ = written;
-  const Hole found{text, place, is_placed && !escapes};
-  if (std::ranges::find(model_.holes, found) == model_.holes.end()) model_.holes.push_back(found);
+  say({text, place, is_placed && !escapes});
 }
 
 void CodeWriter::note(const Place& place, const std::string& text) {
-  const Hole found{text, place, false};
-  const bool is_new = std::ranges::find(model_.holes, found) == model_.holes.end();
-  if (silent_ == 0 && is_new) model_.holes.push_back(found);
+  if (silent_ == 0) say({text, place, false});
+}
+
+// Each once.
+void CodeWriter::say(const Hole& found) {
+  if (std::ranges::find(model_.holes, found) == model_.holes.end()) model_.holes.push_back(found);
 }
 
 std::vector<Code> CodeWriter::aside(const std::function<void()>& body) {

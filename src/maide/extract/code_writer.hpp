@@ -103,6 +103,7 @@ class CodeWriter {
   int& tries() { return tries_; }
 
  private:
+  void say(const Hole& found);
   Model& model_;
   std::vector<std::vector<Code>*> blocks_;
   std::vector<CodeVariable>* variables_ = nullptr;

@@ -341,7 +341,7 @@ Value ExpressionWalker::unary(const Expression& expression, const Value& first) 
     value.is_pointer = text != "*";
     return value;
   }
-  if (text == "-" && (sign_of(first) == Sign::positive)) {
+  if (text == "-" && sign_of(first) == Sign::positive) {
     Value value = first;
     value.text = "-" + first.text;
     return value;

@@ -1,5 +1,5 @@
-// Loops that are sure to end: over a container that the body does not change, and those that count
-// a local number up or down to a bound that nothing in the body changes.
+// Loops that are sure to end. One kind goes over a container that the body does not change. The
+// other counts a local number up or down, to a bound that nothing in the body changes.
 //
 //   for (int i = 0; i < n; ++i) { send(); }     ends
 //   for (int i = 0; i < n; ++i) { ++*more; }    is not known to, if `more` was made by `&n`

@@ -202,8 +202,8 @@ void ObjectMaker::share_arguments(const std::string& type, const std::vector<Exp
   for (std::size_t i = first; i < given.size(); ++i) {
     const std::size_t at = i - first;
     const bool is_taken = std::ranges::any_of(makers, [&](int maker) {
-      const std::vector<std::string>& types = walk_.function(maker).parameter_types;
-      return at < types.size() && types[at].ends_with("&") && !types[at].starts_with("const ");
+      const Function& function = walk_.function(maker);
+      return at < function.parameters.size() && walk_.may_be_written(function, at);
     });
     const bool is_held = makers.empty() && at < entry->members.size() &&
                          walk_.variable(entry->members[at]).is_reference;

@@ -62,6 +62,13 @@ struct Walk {
   const Function& function(int index) const {
     return sources.functions[static_cast<std::size_t>(index)];
   }
+  // Whether a function may change what it is given there.
+  bool may_be_written(const Function& called, std::size_t parameter) const {
+    const std::string& type = called.parameter_types[parameter];
+    const int index = called.parameters[parameter];
+    const bool is_reference = index == none ? type.ends_with("&") : variable(index).is_reference;
+    return is_reference && !type.starts_with("const ");
+  }
   Entity& entity(int index) { return model.entities[static_cast<std::size_t>(index)]; }
   Object& object(int index) { return model.objects[static_cast<std::size_t>(index)]; }
   int node_of(const Value& value) {
