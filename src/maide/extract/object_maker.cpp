@@ -61,6 +61,15 @@ Value ObjectMaker::make_entity(Entity entity, const std::string& type) {
   return value;
 }
 
+Value ObjectMaker::make_empty(const std::string& of_class) {
+  Value made;
+  made.kind = Value::Kind::object;
+  made.type = of_class;
+  made.index = static_cast<int>(walk_.model.objects.size());
+  walk_.model.objects.push_back({of_class, {}, none});
+  return made;
+}
+
 // ---- What is constructed ----
 
 Value ObjectMaker::construct(const std::string& type, Arguments arguments, const Place& place,
@@ -161,8 +170,7 @@ Value ObjectMaker::copy(const Value& value, const Place& place) {
     return value;
   }
   Value made = value;
-  made.index = static_cast<int>(walk_.model.objects.size());
-  walk_.model.objects.push_back({of_class, {}, none});
+  made.index = make_empty(of_class).index;
   const std::map<std::string, Value> fields = walk_.object(value.index).fields;
   for (const auto& [field, held] : fields) {
     walk_.object(made.index).fields[field] =
@@ -272,11 +280,7 @@ Value ObjectMaker::make(const std::string& of_class, const Arguments& arguments,
   const Class& entry = *walk_.names.find_class(of_class, "");
   const bool is_node = walk_.names.is_node_class(entry.name);
   if (is_node && writer_.is_silent()) return data_value(entry.name);
-  Value self;
-  self.kind = Value::Kind::object;
-  self.type = entry.name;
-  self.index = static_cast<int>(walk_.model.objects.size());
-  walk_.model.objects.push_back({entry.name, {}, none});
+  Value self = make_empty(entry.name);
   if (!is_node) {
     fill(self, entry, arguments, place);
     return self;
@@ -294,11 +298,7 @@ Value ObjectMaker::make(const std::string& of_class, const Arguments& arguments,
 }
 
 Value ObjectMaker::make_plain_node(const Arguments& arguments, const Place& place) {
-  Value self;
-  self.kind = Value::Kind::object;
-  self.type = "rclcpp::Node";
-  self.index = static_cast<int>(walk_.model.objects.size());
-  walk_.model.objects.push_back({"rclcpp::Node", {}, none});
+  Value self = make_empty("rclcpp::Node");
   begin_node(self, "node", place);
   name_node(walk_.model.nodes.back(), arguments, place);
   return self;

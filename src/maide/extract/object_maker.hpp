@@ -29,6 +29,8 @@ class ObjectMaker {
   Value make(const std::string& of_class, const Arguments& arguments, const Place& place);
   // A node of no class of its own.
   Value make_plain_node(const Arguments& arguments, const Place& place);
+  // An object without fields.
+  Value make_empty(const std::string& of_class);
   Value make_entity(Entity entity, const std::string& type);
   std::string label_of(const std::string& name, const std::string& stem) const;
 

@@ -261,13 +261,8 @@ Value RowReader::make(const std::string& of_class, const Arguments& arguments, c
   if (LockKeeper::makes(of_class)) return locks_.make(of_class, arguments, place, hint);
   if (ExecutorSpins::makes(of_class)) return spins_.make(of_class, arguments, place, hint);
   if (of_class.ends_with("Options")) {
-    Value value;
-    value.kind = Value::Kind::object;
-    value.type = of_class;
-    value.index = static_cast<int>(walk_.model.objects.size());
-    walk_.model.objects.push_back({of_class, {}, none});
-    if (!arguments.empty()) return walk_.objects->converted(of_class, arguments[0], place);
-    return value;
+    return arguments.empty() ? walk_.objects->make_empty(of_class)
+                             : walk_.objects->converted(of_class, arguments[0], place);
   }
   Value qos;
   qos.kind = Value::Kind::qos;
